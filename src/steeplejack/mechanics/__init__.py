@@ -1,0 +1,1 @@
+"""Mathematics true of any parallel mechanism."""
