@@ -128,6 +128,13 @@ class Controller(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True)
     damping: Positive
     yaw_stiffness: Positive
     yaw_damping: Positive
+    drive_stiffness: Positive
+    drive_damping: Positive
+    tension_filter: Positive
+    stretch_filter: Positive
+    length_noise: Positive
+    force_noise: Positive
+    moment_noise: Positive
 
 
 class Simulation(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -1,0 +1,207 @@
+"""Maps of a planar four-cable robot at one orientation, node by node, compiled.
+
+The tension factor needs one division and one square root a node, everything else is a few multiplications:
+
+- Columns are left un-normalised, ``c_i = (BA_i; b_i x BA_i)``. Their cofactors ``N_i`` give the null vector of the unit
+  columns up to a common factor, ``n_i ~ N_i l_i``, so signed squares ``N_i |N_i| l_i^2`` are compared and one root
+  remains.
+- Along a grid row the moments and the cross products of two ``BA_i`` are linear in x, so each cofactor is a quadratic
+  in x: three coefficients a row, two multiply-adds a node.
+
+Source: Zheng et al., CCRobot-S, IEEE T-RO, Eq. 2-6 and 10-12 as `structure` and `closure` correct them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import ArrayLike, NDArray
+
+from steeplejack.mechanics.cable import line
+from steeplejack.mechanics.cable.structure import planar_arms
+
+Array = NDArray[np.float64]
+
+LEAST_FACTOR = 1e-9  # [1] tension factor that counts as zero, as in `closure`
+LEAST_VOLUME = 1e-12  # [1] cofactor that counts as zero, over the longest arm times the cube of the longest cable
+
+
+def grid_nodes(low: float, high: float, step: float) -> Array:
+    """Integer multiples of a step inside a closed interval, both ends included.
+
+    Args:
+        low: Lower end [m].
+        high: Upper end [m].
+        step: Distance of nodes, counted from the origin [m].
+
+    Returns:
+        Nodes, ascending, (k,) [m]; empty where none lies inside.
+    """
+    rounding = 1e-9
+    return step * np.arange(math.ceil(low / step - rounding), math.floor(high / step + rounding) + 1, dtype=np.float64)
+
+
+def tension_factor_grid(anchors: ArrayLike, attachments: ArrayLike, phi: float, xs: ArrayLike, ys: ArrayLike) -> Array:
+    """Tension factor at every node of a grid, 0 outside wrench closure (Eq. 11-12).
+
+    Args:
+        anchors: (4, 2) [m].
+        attachments: In the platform frame, (4, 2) [m].
+        phi: Orientation [rad].
+        xs: (nx,) [m].
+        ys: (ny,) [m].
+
+    Returns:
+        TF, (ny, nx) [1].
+    """
+    x, y = np.ascontiguousarray(xs, dtype=np.float64), np.ascontiguousarray(ys, dtype=np.float64)
+    arms = planar_arms(attachments, phi)
+    roots = np.asarray(anchors, dtype=np.float64) - arms
+    middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
+    roots[:, 0] -= middle
+    factors = np.empty((y.size, x.size))
+    planar_tension_factors(roots, arms, x - middle, y, _flat(roots, arms, x - middle, y), factors)
+    return factors
+
+
+def margin_grid(
+    anchors: ArrayLike,
+    attachments: ArrayLike,
+    phi: float,
+    xs: ArrayLike,
+    ys: ArrayLike,
+    wrench: ArrayLike,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    stays: ArrayLike | None = None,
+    pull_limit: ArrayLike = np.inf,
+) -> Array:
+    """Margin of the tension distribution at every node of a grid; a node is feasible from 0 up.
+
+    The margin is that of `distribution`: depth inside the tension box over half the widest window, -inf where singular.
+    A pull limit lowers a cable's upper bound to ``pull_limit / |u_i . s_i|``, so that the component of its tension
+    along the stay its anchor sits on stays within the limit.
+
+    Args:
+        anchors: (4, 2) [m].
+        attachments: In the platform frame, (4, 2) [m].
+        phi: Orientation [rad].
+        xs: (nx,) [m].
+        ys: (ny,) [m].
+        wrench: ``(fx, fy, mz)`` on the platform, (3,) [N, N, N m].
+        lower: Least tensions, (4,) or a scalar [N].
+        upper: Greatest tensions, (4,) or a scalar [N].
+        stays: Unit directions of the stays the anchors sit on, (4, 2) [1]; needed with a pull limit.
+        pull_limit: Greatest component of a tension along its stay, (4,) or a scalar [N].
+
+    Returns:
+        Margin, (ny, nx) [1].
+    """
+    x, y = np.ascontiguousarray(xs, dtype=np.float64), np.ascontiguousarray(ys, dtype=np.float64)
+    arms, low, high = planar_arms(attachments, phi), _each(lower), _each(upper)
+    margins = np.empty((y.size, x.size))
+    line.planar_margins(
+        np.asarray(anchors, dtype=np.float64) - arms,
+        arms,
+        x,
+        y,
+        np.ascontiguousarray(wrench, dtype=np.float64),
+        low,
+        high,
+        np.zeros((4, 2)) if stays is None else np.ascontiguousarray(stays, dtype=np.float64),
+        _each(pull_limit),
+        0.5 * float((high - low).max()),
+        margins,
+    )
+    return margins
+
+
+def best_node(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, nodes: int = 40) -> tuple[Array, float]:
+    """Pose of the largest tension factor on a coarse grid over the anchors' box; a start for finer searches.
+
+    Args:
+        anchors: (4, 2) [m].
+        attachments: In the platform frame, (4, 2) [m].
+        phis: Orientations to try, (k,) [rad].
+        nodes: Nodes along each side of the box.
+
+    Returns:
+        ``(x, y, phi)`` (3,) [m, m, rad] and its TF [1]; 0 where no node is in wrench closure.
+    """
+    fixed = np.asarray(anchors, dtype=np.float64)
+    share = (np.arange(nodes) + 0.5) / nodes
+    low, size = fixed.min(axis=0), np.ptp(fixed, axis=0)
+    xs, ys = low[0] + share * size[0], low[1] + share * size[1]
+    best, most = np.array([xs[nodes // 2], ys[nodes // 2], np.ravel(phis)[0]]), 0.0
+    for phi in np.ravel(np.asarray(phis, dtype=np.float64)):
+        factors = tension_factor_grid(fixed, attachments, float(phi), xs, ys)
+        row, column = np.unravel_index(int(np.argmax(factors)), factors.shape)
+        if factors[row, column] > most:
+            best, most = np.array([xs[column], ys[row], phi]), float(factors[row, column])
+    return best, most
+
+
+def _flat(roots: Array, arms: Array, xs: Array, ys: Array) -> float:
+    """``(N l)^2`` that counts as zero: a cofactor rounds relative to the arm times the cube of the cable length."""
+    if not xs.size or not ys.size:
+        return 0.0
+    farthest = [np.abs(roots[:, k, None] - nodes[[0, -1]]).max() for k, nodes in enumerate((xs, ys))]
+    longest = math.hypot(*farthest)
+    return float(LEAST_VOLUME**2 * (arms**2).sum(axis=1).max() * longest**8)
+
+
+def _each(values: ArrayLike) -> Array:
+    """One value a cable, (4,)."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float64), (4,)))
+
+
+@njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract", "nsz", "nnan", "ninf"})
+def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, flat: float, factors: Array) -> None:
+    """Write the tension factor of every node; the kernel of `tension_factor_grid`.
+
+    Args:
+        roots: ``A_i - b_i``, (4, 2) [m].
+        arms: ``b_i``, (4, 2) [m].
+        xs: (nx,) [m].
+        ys: (ny,) [m].
+        flat: ``(N l)^2`` that counts as zero [m8].
+        factors: Written, (ny, nx) [1].
+    """
+    (x1, t1), (x2, t2), (x3, t3), (x4, t4) = roots[0], roots[1], roots[2], roots[3]
+    (bx1, by1), (bx2, by2), (bx3, by3), (bx4, by4) = arms[0], arms[1], arms[2], arms[3]
+    for j in prange(ys.size):
+        y1, y2, y3, y4 = t1 - ys[j], t2 - ys[j], t3 - ys[j], t4 - ys[j]
+        w1, w2, w3, w4 = y1 * y1, y2 * y2, y3 * y3, y4 * y4
+        p1, q1, r1 = _minor(x2, y2, bx2, by2, x3, y3, bx3, by3, x4, y4, bx4, by4)
+        p2, q2, r2 = _minor(x1, y1, bx1, by1, x4, y4, bx4, by4, x3, y3, bx3, by3)
+        p3, q3, r3 = _minor(x1, y1, bx1, by1, x2, y2, bx2, by2, x4, y4, bx4, by4)
+        p4, q4, r4 = _minor(x1, y1, bx1, by1, x3, y3, bx3, by3, x2, y2, bx2, by2)
+        for i in range(xs.size):
+            x = xs[i]
+            n1, n2 = p1 + x * (q1 + x * r1), p2 + x * (q2 + x * r2)
+            n3, n4 = p3 + x * (q3 + x * r3), p4 + x * (q4 + x * r4)
+            l1, l2 = (x1 - x) * (x1 - x) + w1, (x2 - x) * (x2 - x) + w2
+            l3, l4 = (x3 - x) * (x3 - x) + w3, (x4 - x) * (x4 - x) + w4
+            s1, s2, s3, s4 = n1 * abs(n1) * l1, n2 * abs(n2) * l2, n3 * abs(n3) * l3, n4 * abs(n4) * l4
+            least, most = min(min(s1, s2), min(s3, s4)), max(max(s1, s2), max(s3, s4))
+            small, large = max(least, -most), max(most, -least)
+            factors[j, i] = math.sqrt(small / large) if small > LEAST_FACTOR**2 * large + flat else 0.0
+
+
+@njit(cache=True, fastmath={"contract", "nsz"})
+def _minor(
+    xi: float, yi: float, bxi: float, byi: float,
+    xj: float, yj: float, bxj: float, byj: float,
+    xk: float, yk: float, bxk: float, byk: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Determinant of un-normalised columns i, j, k along a row, as coefficients of 1, x, x^2."""
+    mi, mj, mk = bxi * yi - byi * xi, bxj * yj - byj * xj, bxk * yk - byk * xk
+    dij, djk, dki = xi * yj - xj * yi, xj * yk - xk * yj, xk * yi - xi * yk
+    eij, ejk, eki = yi - yj, yj - yk, yk - yi
+    return (
+        mi * djk + mj * dki + mk * dij,
+        mi * ejk + mj * eki + mk * eij + byi * djk + byj * dki + byk * dij,
+        byi * ejk + byj * eki + byk * eij,
+    )

@@ -1,0 +1,307 @@
+"""A platform hanging on four cables in space: the tensions, the orientation and the stiffness of its equilibria.
+
+Four cables cannot hold six freedoms. What they can do is set where the platform hangs: with the platform at ``p``, the
+four tensions obey three force equations,
+
+    sum_i t_i u_i + m g = 0,          t = t_p + lambda n,
+
+so one parameter lambda is left (n is the null vector of the 3x4 matrix of cable directions, by cofactors), and the
+orientation follows from the moments. For given cable forces ``f_i = t_i u_i`` the potential of a rotation R is
+``-sum_i f_i . R b_i - m g . R c``; its least value over all rotations is Wahba's problem, solved by one singular value
+decomposition (Markley, J. Astronautical Sciences 36(3), 1988). The directions u_i depend weakly on R (attachment radius
+over cable length), so alternating the two converges in a few rounds.
+
+Every function takes one pose and is compiled; shapes are for m cables: anchors (m, 3) [m], attachments (m, 3) [m] in
+the platform's frame, tensions (m,) [N], weight (3,) [N] the gravity force, centre (3,) [m] the centre of mass in the
+platform's frame. Cables are taut, massless and straight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Rank test of the 3x4 direction matrix: below this share of the largest possible cofactor (1) the three force
+# equations no longer determine the tensions, for example with all cables in one plane.
+DEGENERATE = 1e-9
+
+
+@njit(cache=True)
+def directions(anchors: Array, attachments: Array, position: Array, rotation: Array) -> tuple[Array, Array]:
+    """Unit vectors (m, 3) from attachment to anchor in the world's frame, and lengths (m,) [m]."""
+    m = anchors.shape[0]
+    u = np.empty((m, 3))
+    lengths = np.empty(m)
+    for i in range(m):
+        square = 0.0
+        for k in range(3):
+            offset = position[k]
+            for j in range(3):
+                offset += rotation[k, j] * attachments[i, j]
+            u[i, k] = anchors[i, k] - offset
+            square += u[i, k] * u[i, k]
+        lengths[i] = np.sqrt(square)
+        for k in range(3):
+            u[i, k] /= lengths[i]
+    return u, lengths
+
+
+@njit(cache=True)
+def _determinant(a: Array, b: Array, c: Array) -> float:
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+
+
+@njit(cache=True)
+def force_family(u: Array, weight: Array) -> tuple[Array, Array, bool]:
+    """All tensions of four cables that balance a force: t = particular + lambda * null.
+
+    Args:
+        u: Cable directions (4, 3).
+        weight: Force to be carried (3,) [N].
+
+    Returns:
+        The least-norm particular solution (4,) [N], the unit null vector (4,), and whether the three equations are
+        independent.
+    """
+    null = np.empty(4)
+    null[0] = _determinant(u[1], u[2], u[3])
+    null[1] = -_determinant(u[0], u[2], u[3])
+    null[2] = _determinant(u[0], u[1], u[3])
+    null[3] = -_determinant(u[0], u[1], u[2])
+    size = np.sqrt(np.sum(null * null))
+    if size < DEGENERATE:
+        return np.zeros(4), null, False
+    null /= size
+    # Least norm: t = -U (U^T U)^-1 w with U (4, 3); det(U^T U) is the square of ``size`` (Cauchy-Binet).
+    gram = np.zeros((3, 3))
+    for i in range(4):
+        for j in range(3):
+            for k in range(3):
+                gram[j, k] += u[i, j] * u[i, k]
+    scale = 1.0 / (size * size)
+    y0 = _determinant(-weight, gram[1], gram[2]) * scale
+    y1 = _determinant(gram[0], -weight, gram[2]) * scale
+    y2 = _determinant(gram[0], gram[1], -weight) * scale
+    particular = np.empty(4)
+    for i in range(4):
+        particular[i] = u[i, 0] * y0 + u[i, 1] * y1 + u[i, 2] * y2
+    return particular, null, True
+
+
+@njit(cache=True)
+def interval(particular: Array, null: Array, lower: Array, upper: Array) -> tuple[float, float, int, int]:
+    """Lambda with ``lower <= particular + lambda * null <= upper``.
+
+    Returns:
+        Both ends, and the bounds (4,) [N] that set them: the cable's index, plus 4 for an upper bound. The interval is
+        empty when the first end is the larger; the two bounds then exclude each other.
+    """
+    low, high, at_low, at_high = -np.inf, np.inf, -1, -1
+    for i in range(4):
+        if lower[i] > upper[i]:
+            return 1.0, 0.0, i, i + 4
+        for side in range(2):
+            bound = lower[i] if side == 0 else upper[i]
+            gap = bound - particular[i]
+            if abs(null[i]) < DEGENERATE:
+                if (gap > 0.0) == (side == 0) and gap != 0.0:
+                    return 1.0, 0.0, i + 4 * side, i + 4 * side
+                continue
+            value = gap / null[i]
+            if (null[i] > 0.0) == (side == 0):
+                if value > low:
+                    low, at_low = value, i + 4 * side
+            elif value < high:
+                high, at_high = value, i + 4 * side
+    return low, high, at_low, at_high
+
+
+@njit(cache=True)
+def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, Array]:
+    """Largest tension of each cable under linear limits, and which limit sets it.
+
+    Args:
+        u: Cable directions (4, 3).
+        pull: Rows ``(d, limit)`` (k, 4, 4): cable i must obey ``t_i |u_i . d| <= limit`` for each of k limits.
+        upper: Largest tensions (4,) [N].
+
+    Returns:
+        Bounds (4,) [N] and the limit behind each (4,): -1 for ``upper`` itself, else the row k.
+    """
+    bound = upper.copy()
+    which = np.full(4, -1)
+    for k in range(pull.shape[0]):
+        for i in range(4):
+            share = abs(u[i, 0] * pull[k, i, 0] + u[i, 1] * pull[k, i, 1] + u[i, 2] * pull[k, i, 2])
+            if share * bound[i] > pull[k, i, 3]:
+                bound[i] = pull[k, i, 3] / share
+                which[i] = k
+    return bound, which
+
+
+@njit(cache=True)
+def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: Array) -> tuple[Array, Array]:
+    """The rotation of least potential under given cable forces (Wahba), and the singular values that stiffen it.
+
+    Args:
+        forces: Cable forces on the platform (m, 3) [N], world frame.
+        attachments: Attachments (m, 3) [m], platform frame.
+        weight: Gravity force (3,) [N].
+        centre: Centre of mass (3,) [m], platform frame.
+
+    Returns:
+        Rotation (3, 3) platform to world, and signed singular values (3,) [N m]; the rotational stiffnesses about the
+        principal axes are the sums of two of them, so the equilibrium is stable when the last two add up to more
+        than 0.
+    """
+    moment = np.zeros((3, 3))
+    for k in range(3):
+        for j in range(3):
+            moment[k, j] = weight[k] * centre[j]
+            for i in range(forces.shape[0]):
+                moment[k, j] += forces[i, k] * attachments[i, j]
+    left, values, right = np.linalg.svd(moment)
+    sign = 1.0 if np.linalg.det(left) * np.linalg.det(right) > 0.0 else -1.0
+    left[:, 2] *= sign
+    values[2] *= sign
+    return left @ right, values
+
+
+@njit(cache=True)
+def choose(particular: Array, null: Array, low: float, high: float, target: Array) -> Array:
+    """Tensions of the family nearest to ``target`` [N] in norm, within the interval: unique, continuous in the pose."""
+    value = np.sum((target - particular) * null)
+    return particular + min(max(value, low), high) * null
+
+
+@njit(cache=True)
+def hang(
+    anchors: Array,
+    attachments: Array,
+    weight: Array,
+    centre: Array,
+    position: Array,
+    guess: Array,
+    lower: Array,
+    pull: Array,
+    upper: Array,
+    target: Array,
+) -> tuple[Array, Array, float]:
+    """The equilibrium at a position under bounds on tension, nearest to target tensions.
+
+    Args:
+        anchors: Winch exits (4, 3) [m].
+        attachments: Attachments (4, 3) [m].
+        weight: Gravity force (3,) [N].
+        centre: Centre of mass (3,) [m].
+        position: Platform position (3,) [m].
+        guess: Rotation to start from (3, 3).
+        lower: Least tensions (4,) [N].
+        pull: Linear limits (k, 4, 4), see :func:`upper_bounds`.
+        upper: Largest tensions (4,) [N].
+        target: Tensions to stay near to (4,) [N].
+
+    Returns:
+        Rotation (3, 3) platform to world; tensions (4,) [N]; and the room: the width of the interval of lambda [N],
+        negative where no equilibrium respects the bounds (the tensions then lie between the two that exclude each
+        other). ``-inf`` where the cables do not determine a balance.
+    """
+    rotation = guess.copy()
+    tensions = np.zeros(4)
+    room = -np.inf
+    forces = np.empty((4, 3))
+    for _ in range(40):
+        u, _lengths = directions(anchors, attachments, position, rotation)
+        particular, null, independent = force_family(u, weight)
+        if not independent:
+            return rotation, tensions, -np.inf
+        bound, _which = upper_bounds(u, pull, upper)
+        low, high, _a, _b = interval(particular, null, lower, bound)
+        room = high - low
+        if room < 0.0:
+            low = high = 0.5 * (low + high)
+        tensions = choose(particular, null, low, high, target)
+        for i in range(4):
+            for k in range(3):
+                forces[i, k] = tensions[i] * u[i, k]
+        turned, _values = balanced_rotation(forces, attachments, weight, centre)
+        change = np.max(np.abs(turned - rotation))
+        rotation = turned
+        if change < 1e-12:
+            break
+    return rotation, tensions, room
+
+
+@njit(cache=True)
+def residual(
+    anchors: Array,
+    attachments: Array,
+    weight: Array,
+    centre: Array,
+    position: Array,
+    rotation: Array,
+    tensions: Array,
+) -> Array:
+    """What is missing to equilibrium: moment about the platform's origin [N m] and force [N] (6,), world frame."""
+    u, _lengths = directions(anchors, attachments, position, rotation)
+    out = np.zeros(6)
+    for i in range(anchors.shape[0] + 1):
+        if i < anchors.shape[0]:
+            arm = rotation @ attachments[i]
+            force = tensions[i] * u[i]
+        else:
+            arm = rotation @ centre
+            force = weight
+        out[0] += arm[1] * force[2] - arm[2] * force[1]
+        out[1] += arm[2] * force[0] - arm[0] * force[2]
+        out[2] += arm[0] * force[1] - arm[1] * force[0]
+        out[3:] += force
+    return out
+
+
+@njit(cache=True)
+def stiffness(
+    anchors: Array,
+    attachments: Array,
+    weight: Array,
+    centre: Array,
+    position: Array,
+    rotation: Array,
+    tensions: Array,
+    cable_stiffness: Array,
+) -> Array:
+    """Hessian (6, 6) of the potential with locked winches, for a (rotation; translation) about the platform's origin.
+
+    ``K = sum_i k_i j_i j_i^T + K_t``: the elastic part along the cables (j_i the derivative of length i) and the
+    tension part, which alone stiffens the platform out of the plane of its cables.
+
+    Args:
+        anchors: Winch exits (m, 3) [m].
+        attachments: Attachments (m, 3) [m].
+        weight: Gravity force (3,) [N].
+        centre: Centre of mass (3,) [m].
+        position: Platform position (3,) [m].
+        rotation: Platform orientation (3, 3).
+        tensions: Tensions (m,) [N].
+        cable_stiffness: k_i = EA / L_i (m,) [N/m]; zeros give the Hessian at constant tension.
+    """
+    u, lengths = directions(anchors, attachments, position, rotation)
+    out = np.zeros((6, 6))
+    lever = np.zeros((3, 6))
+    for i in range(anchors.shape[0] + 1):
+        if i < anchors.shape[0]:
+            arm = rotation @ attachments[i]
+            force = tensions[i] * u[i]
+            lever[:, :3] = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
+            lever[:, 3:] = np.eye(3)
+            across = np.eye(3) - np.outer(u[i], u[i])
+            out += lever.T @ (across * (tensions[i] / lengths[i]) + np.outer(u[i], u[i]) * cable_stiffness[i]) @ lever
+        else:
+            arm = rotation @ centre
+            force = weight
+        turn = np.eye(3) * np.sum(force * arm) - 0.5 * (np.outer(force, arm) + np.outer(arm, force))
+        out[:3, :3] += turn
+    return out

@@ -1,0 +1,49 @@
+"""Does the machine fit a stay? Yes, no with reasons, or unknown with what is missing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from steeplejack.robots.squad.parameters import Squad
+from steeplejack.worksite import Stay
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether the squad's bases can climb a stay."""
+
+    stay: str
+    reasons: tuple[str, ...]  # why not
+    unknown: tuple[str, ...]  # data without which it cannot be decided
+
+    @property
+    def fits(self) -> bool | None:
+        """True, False, or None where data are missing."""
+        if self.reasons:
+            return False
+        return None if self.unknown else True
+
+
+def check(stay: Stay, squad: Squad) -> Verdict:
+    """Compare a stay with the machine's limits; ranges include both ends.
+
+    Weight and tension only shape the curve (a chord is used without them), so they decide nothing here.
+    """
+    base, reasons, unknown = squad.base, [], []
+    low, high = base.stay_diameter
+    if stay.diameter is None:
+        unknown.append("diameter")
+    elif not low <= stay.diameter <= high:
+        reasons.append(f"diameter {1e3 * stay.diameter:.0f} mm outside {1e3 * low:.0f}-{1e3 * high:.0f} mm")
+    if stay.inclination > base.max_inclination:
+        limit = math.degrees(base.max_inclination)
+        reasons.append(f"inclination {math.degrees(stay.inclination):.1f} deg above {limit:.0f} deg")
+    if not stay.free_intervals(0.0, stay.length, base.obstacle_height):
+        reasons.append("no stretch free of end zones and obstacles")
+    unknown += [
+        f"height of the obstacle at {zone.start:.1f}-{zone.end:.1f} m"
+        for zone in stay.intervals
+        if zone.kind == "obstacle" and zone.height is None
+    ]
+    return Verdict(stay.id, tuple(reasons), tuple(unknown))
