@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.control.estimator import estimate, winch_exits
+from steeplejack.control.estimator import estimate, observe, winch_exits
 from steeplejack.control.law import law
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
@@ -26,7 +26,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 RAIL_STEP = 1.0  # [m] between tabulated places on a stay; the arc between them is off its chord by 20 um at R = 6 km
-FRICTION_RATE = 0.005  # [m/s] of winch rate over which Coulomb friction changes sign
 
 
 @dataclass
@@ -90,10 +89,10 @@ class PlatformController:
         self._centre = np.array(squad.platform.centre_of_mass)
         self._mass, self._weight = mass, mass * gravity
         self._weights = np.array([gains.length_noise, gains.force_noise, gains.moment_noise])
-        self._filter, self._slow = gains.tension_filter, gains.stretch_filter
-        self._elasticity = squad.cable.axial_stiffness
         reflected = winch.rotor_inertia * (winch.ratio / winch.drum_radius) ** 2
-        self._winch = winch.friction, reflected
+        self._observer = np.array(
+            [winch.friction, reflected, gains.tension_filter, gains.stretch_filter, squad.cable.axial_stiffness]
+        )
         self._gains = np.array(
             [
                 gains.stiffness,
@@ -123,19 +122,6 @@ class PlatformController:
             tangents,
         )
 
-    def _observe(self, state: State, reading: Reading, dt: float) -> tuple[Array, Array]:
-        """Tensions from motor pull, friction and the rotor's momentum, filtered; and the filter's own state.
-
-        ``tau dt_hat/dt = F + friction + m_r dv/dt - t_hat`` without differentiating the rate v: the momentum enters
-        through ``t_hat = z + m_r v / tau``.
-        """
-        friction, reflected = self._winch
-        tau = self._filter
-        impulse = reflected / tau * reading.pay_rate
-        felt = reading.pull + friction * np.tanh(reading.pay_rate / FRICTION_RATE)
-        momentum = state.momentum + (felt - state.momentum - impulse) * (dt / tau)
-        return momentum + impulse, momentum
-
     def step(
         self, state: State, setpoint: Setpoint, reading: Reading, moving: Flags, dt: float
     ) -> tuple[State, Array, Array, Array, int, float]:
@@ -152,12 +138,17 @@ class PlatformController:
             New state; winch pulls (4,) [N]; wheel tractions (4,) [N]; turning rates (4,) [rad/s]; allocation status;
             root mean square of the lengths' residual [m].
         """
-        tension, momentum = self._observe(state, reading, dt)
+        tension, momentum, offset, carried, lengths, rates = observe(
+            reading.pull,
+            reading.pay_rate,
+            reading.paid,
+            setpoint.tension,
+            state.momentum,
+            state.offset,
+            self._observer,
+            dt,
+        )
         points, tangents = winch_exits(self._rails, RAIL_STEP, self._offset, reading.s, reading.clock)
-        offset = state.offset + (tension - setpoint.tension - state.offset) * (dt / (self._slow + dt))
-        carried = setpoint.tension + offset
-        stretch = 1.0 + carried / self._elasticity
-        lengths, rates = reading.paid * stretch, reading.pay_rate * stretch
         position, rotation, velocity, left = estimate(
             state.position,
             state.rotation,
@@ -171,18 +162,10 @@ class PlatformController:
             self._centre,
             self._weights,
         )
-        bases = np.stack(
-            [
-                setpoint.s,
-                setpoint.s_rate,
-                setpoint.s_acceleration,
-                setpoint.clock,
-                setpoint.clock_rate,
-                reading.s,
-                reading.s_rate,
-                reading.clock,
-            ]
-        )
+        bases = np.empty((8, 4))
+        bases[0], bases[1], bases[2] = setpoint.s, setpoint.s_rate, setpoint.s_acceleration
+        bases[3], bases[4] = setpoint.clock, setpoint.clock_rate
+        bases[5], bases[6], bases[7] = reading.s, reading.s_rate, reading.clock
         pull, drive, turn, status = law(
             points,
             tangents,

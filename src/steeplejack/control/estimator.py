@@ -20,6 +20,8 @@ from steeplejack.spatial.rotation import from_vector
 
 Array = NDArray[np.float64]
 
+FRICTION_RATE = 0.005  # [m/s] of winch rate over which Coulomb friction changes sign
+
 
 @njit(cache=True)
 def winch_exits(rails: Array, step: float, offset: float, s: Array, clock: Array) -> tuple[Array, Array]:
@@ -42,6 +44,53 @@ def winch_exits(rails: Array, step: float, offset: float, s: Array, clock: Array
             tangents[i, k] = rails[i, cell, 3 + k] + share * (rails[i, cell + 1, 3 + k] - rails[i, cell, 3 + k])
             points[i, k] = at + cosine * rails[i, cell, 6 + k] + sine * rails[i, cell, 9 + k]
     return points, tangents
+
+
+@njit(cache=True)
+def observe(
+    pull: Array,
+    pay_rate: Array,
+    paid: Array,
+    planned: Array,
+    momentum: Array,
+    offset: Array,
+    constants: Array,
+    dt: float,
+) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """Measured tensions and loaded cable lengths from winch encoders and motor currents.
+
+    Tensions follow from motor pull, friction and the rotor's momentum,
+    ``tau dt_hat/dt = F + friction + m_r dv/dt - t_hat``, without differentiating the rate v: the momentum enters through
+    ``t_hat = z + m_r v / tau``. Stretch is compensated by the planned tension plus its slowly filtered difference to
+    the measured one.
+
+    Args:
+        pull: Motor pulls at the cable (4,) [N].
+        pay_rate: Winch rates, positive paying out (4,) [m/s].
+        paid: Unstressed cable out (4,) [m].
+        planned: Planned tensions (4,) [N].
+        momentum: State z of the observer (4,) [N].
+        offset: Slow difference between measured and planned tension (4,) [N].
+        constants: Winch friction [N], reflected rotor mass [kg], time constants of tension and stretch [s], EA [N].
+        dt: Time step [s].
+
+    Returns:
+        Tensions (4,) [N], new z, new offset, the tensions that stretch the cables (4,) [N], loaded lengths (4,) [m]
+        and their rates (4,) [m/s].
+    """
+    friction, reflected, tau, slow, elasticity = constants
+    tension, z, shift, carried = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    lengths, rates = np.empty(4), np.empty(4)
+    for i in range(4):
+        impulse = reflected / tau * pay_rate[i]
+        felt = pull[i] + friction * np.tanh(pay_rate[i] / FRICTION_RATE)
+        z[i] = momentum[i] + (felt - momentum[i] - impulse) * dt / tau
+        tension[i] = z[i] + impulse
+        shift[i] = offset[i] + (tension[i] - planned[i] - offset[i]) * dt / (slow + dt)
+        carried[i] = planned[i] + shift[i]
+        stretch = 1.0 + carried[i] / elasticity
+        lengths[i], rates[i] = paid[i] * stretch, pay_rate[i] * stretch
+    return tension, z, shift, carried, lengths, rates
 
 
 @njit(cache=True)
@@ -95,8 +144,8 @@ def estimate(
         errors[i] = (lengths[i] - now[i]) / weights[0]
         speeds[i] = (rates[i] - moving) / weights[0]
         square += (lengths[i] - now[i]) ** 2
-    missing = residual(exits, attachments, load, centre, position, rotation, tensions)
-    hessian = stiffness(exits, attachments, load, centre, position, rotation, tensions, np.zeros(4))
+    missing = residual(attachments, load, centre, rotation, u, tensions)
+    hessian = stiffness(attachments, load, centre, rotation, u, now, tensions, np.zeros(4))
     for j in range(6):
         sigma = weights[2] if j < 3 else weights[1]
         errors[4 + j] = missing[j] / sigma

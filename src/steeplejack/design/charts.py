@@ -1,12 +1,11 @@
-"""Figures of workspace maps (after Fig. 8-9): what the platform can reach between the stays, and how well it is
-held."""
+"""Figures of workspace maps, after Fig. 8-9: what the platform can reach, and how well it is held there."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
+    from matplotlib.typing import RcKeyType
 
 Array = NDArray[np.float64]
 Stays = Mapping[str, tuple[float, float]]
@@ -29,7 +29,7 @@ INK, STEEL, ROPE, PAPER = "#22303c", "#8795a1", "#44525e", "white"
 MOST_PANELS = 9
 LABELS = {"tension_factor": "tension factor [1]", "margin": "margin inside the tension window [1]"}
 LEVELS = (0.2, 0.4, 0.6, 0.8)
-STYLE = {
+STYLE: dict[RcKeyType, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "axes.edgecolor": STEEL,
@@ -64,8 +64,7 @@ class _Panel:
 
 
 def map_figure(dataset: xr.Dataset, stays: Stays | None = None) -> Figure:
-    """Draw a map: a panel an orientation, evenly thinned to nine at most, with stays, anchors and the platform at its
-    best.
+    """Draw a map with stays, anchors and the platform at its best, one panel an orientation and nine at most.
 
     The colour is the tension factor. With a load it is the margin of the bounded tensions, and a dashed line shows
     where wrench closure ends.
@@ -86,7 +85,7 @@ def map_figure(dataset: xr.Dataset, stays: Stays | None = None) -> Figure:
     columns = -(-len(panels) // rows)
     large = len(panels) == 1
     size = (7.6, 6.4) if large else (3.1 * columns + 0.9, 2.9 * rows + 0.5)
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(rc=STYLE):
         figure = Figure(figsize=size, layout="constrained")
         FigureCanvasAgg(figure)
         grid = figure.subplots(rows, columns, squeeze=False)
@@ -105,7 +104,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
         figure: What to write.
         path: Ends in ``.svg`` or ``.png``.
     """
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(rc=STYLE):
         figure.savefig(path, dpi=200, metadata={"Date": None} if Path(path).suffix == ".svg" else None)
 
 
@@ -155,8 +154,8 @@ def _frame(axes: Axes, anchors: Array) -> None:
 def _draw_map(axes: Axes, panel: _Panel, ceiling: float, large: bool) -> QuadMesh:
     """Coloured nodes, their level lines, and the edge of wrench closure where it is not theirs."""
     values = np.ma.masked_invalid(panel.values)
-    look = {"cmap": "viridis", "vmin": 0.0, "vmax": ceiling, "rasterized": True, "zorder": 2}
-    colours = axes.pcolormesh(panel.x, panel.y, values, **look)
+    colours = axes.pcolormesh(panel.x, panel.y, values, cmap="viridis", vmin=0.0, vmax=ceiling, zorder=2)
+    colours.set_rasterized(True)
     if min(values.shape) < 2:
         return colours
     edge = panel.closure & values.mask

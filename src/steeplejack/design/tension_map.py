@@ -1,5 +1,4 @@
-"""Tension-factor map over a grid of positions at one orientation or several (Fig. 8-9, Eq. 12-15), as a labelled
-dataset.
+"""Tension-factor map over positions at one orientation or several (Fig. 8-9, Eq. 12-15), as a labelled dataset.
 
 Nodes are the integer multiples of the step, from the worksite's origin, inside the bounding box of the anchors. A node
 is *inside* where it is in wrench closure, or, when a `Load` is given, where bounded tensions hold that load. Source:

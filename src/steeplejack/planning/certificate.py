@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable import clearance, suspension
@@ -102,7 +102,7 @@ class Scene:
         return points, limits(self.squad, tangents, arms, self.rules.reserve, driving)
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def survey(
     anchors: Array,
     pull: Array,
@@ -126,7 +126,7 @@ def survey(
         upper: Largest tensions (4,) [N].
     """
     out = np.empty((anchors.shape[0], points.shape[0]))
-    for a in prange(anchors.shape[0]):
+    for a in range(anchors.shape[0]):
         for j in range(points.shape[0]):
             u, _lengths = suspension.directions(anchors[a], attachments, points[j], rotation)
             particular, null, independent = suspension.force_family(u, weight)
@@ -139,7 +139,7 @@ def survey(
     return out
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def certify(
     anchors: Array,
     pull: Array,
@@ -180,16 +180,16 @@ def certify(
     """
     n = points.shape[0]
     rotations, tensions, quality = np.empty((n, 3, 3)), np.empty((n, 4)), np.empty((n, 5))
-    for j in prange(n):
+    for j in range(n):
         ends, stiff = np.empty((4, 3)), np.empty(4)
         rotation, t, room = suspension.hang(
             anchors[j], attachments, weight, centre, points[j], guess, lower, pull[j], upper, target
         )
-        _u, lengths = suspension.directions(anchors[j], attachments, points[j], rotation)
+        u, lengths = suspension.directions(anchors[j], attachments, points[j], rotation)
         for i in range(4):
             stiff[i] = cable_stiffness / lengths[i]
             ends[i] = points[j] + rotation @ attachments[i]
-        hessian = suspension.stiffness(anchors[j], attachments, weight, centre, points[j], rotation, t, stiff)
+        hessian = suspension.stiffness(attachments, weight, centre, rotation, u, lengths, t, stiff)
         quality[j, 0] = room
         quality[j, 1] = np.linalg.eigvalsh(hessian)[0]
         quality[j, 2], quality[j, 3] = clearance.cable_gap(anchors[j], ends, axes, radii, own)

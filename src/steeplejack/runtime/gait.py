@@ -1,7 +1,7 @@
 """The gait core as an explicit table: which phase a leg is in, and what ends it.
 
 A flight has one phase. A drive opens the palms of one base, drives, closes them, and verifies the grip before anything
-else moves: the palm sensor reads the full preload and the wheel stands still for a while under the cable's pull.
+else moves: the palm sensor reads the preload and the wheel stands still for a while under the cable's pull, wheels off.
 """
 
 from __future__ import annotations
@@ -35,8 +35,7 @@ class Outcome(Enum):
     BREACH = "breach"
 
 
-# The whole gait: (phase, outcome) -> next phase. DONE means the leg is over. A grip that cannot be verified is closed
-# again once (the timeout of VERIFY leads back to CLOSE, that of CLOSE stops the squad).
+# The whole gait: (phase, outcome) -> next phase. DONE means the leg is over.
 TRANSITIONS: dict[tuple[Phase, Outcome], Phase] = {
     (Phase.FLY, Outcome.REACHED): Phase.DONE,
     (Phase.OPEN, Outcome.REACHED): Phase.DRIVE,
@@ -51,6 +50,7 @@ TRANSITIONS: dict[tuple[Phase, Outcome], Phase] = {
 }
 
 OPENED, CLOSED = 0.05, 0.95  # shares of the palm preload that count as open and closed
+HELD = 0.90  # share of the preload below which a closed palm counts as lost; the gap to CLOSED keeps noise out
 STILL = 5e-4  # [m] a wheel may move while its grip is verified
 VERIFY_TIME = 0.5  # [s]
 ARRIVED = 0.01  # [m] from the end of the drive
@@ -97,7 +97,7 @@ def judge(
                 return Outcome.REACHED
             return Outcome.TIMEOUT if elapsed > close_time + PATIENCE else None
         case Phase.VERIFY:
-            if palm < CLOSED or abs(s - progress.mark) > STILL:
+            if palm < HELD or abs(s - progress.mark) > STILL:
                 return Outcome.TIMEOUT
             return Outcome.REACHED if elapsed >= VERIFY_TIME else None
         case _:

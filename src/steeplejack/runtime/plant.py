@@ -20,17 +20,18 @@ def _flags() -> Flags:
     return np.zeros(4, bool)
 
 
-@dataclass
 class Measurement:
-    """What the squad's sensors say; arrays are overwritten by the next call of ``measure``."""
+    """What the squad's sensors say: named rows of one array (7, 4), overwritten by the next call of ``measure``."""
 
-    paid: Array = field(default_factory=_four)  # [m] unstressed cable out, winch encoders
-    pay_rate: Array = field(default_factory=_four)  # [m/s]
-    pull: Array = field(default_factory=_four)  # [N] motor pull at the cable, from motor currents
-    s: Array = field(default_factory=_four)  # [m] base positions, wheel odometry
-    s_rate: Array = field(default_factory=_four)  # [m/s]
-    clock: Array = field(default_factory=_four)  # [rad] winch exits about the stays, inclinometers
-    palm: Array = field(default_factory=_four)  # [N] palm preload
+    def __init__(self) -> None:
+        self.values = np.zeros((7, 4))
+        self.paid: Array = self.values[0]  # [m] unstressed cable out, winch encoders
+        self.pay_rate: Array = self.values[1]  # [m/s]
+        self.pull: Array = self.values[2]  # [N] motor pull at the cable, from motor currents
+        self.s: Array = self.values[3]  # [m] base positions, wheel odometry
+        self.s_rate: Array = self.values[4]  # [m/s]
+        self.clock: Array = self.values[5]  # [rad] winch exits about the stays, inclinometers
+        self.palm: Array = self.values[6]  # [N] palm preload
 
 
 @dataclass

@@ -164,6 +164,10 @@ class Recorder:
         self._writer.add_message(self._channels[topic], stamp, data, stamp, self._sequence)
         self._file.flush()
 
+    def note(self, at: float, text: str, kind: str = "note") -> None:
+        """Append an event."""
+        self.write("/event", Event(at, kind, text), at)
+
     def close(self) -> None:
         """Finish the file with its index."""
         self._writer.finish()

@@ -81,13 +81,6 @@ class Supervisor:
         self._residual, self._status = 0.0, 0
 
     @property
-    def expected_duration(self) -> float:
-        """Motions and grips [s]."""
-        motion = sum(reference.timing.duration for reference in self._references)
-        drives = sum(reference.leg.kind == "drive" for reference in self._references)
-        return motion + drives * (2.0 * self._squad.gripper.close_time + 0.5)
-
-    @property
     def time(self) -> float:
         """Time since the start [s]."""
         return self._steps * CONTROL_STEP
@@ -101,7 +94,7 @@ class Supervisor:
             if phase is Phase.STOPPED:
                 self._stop(index, reference, state, setpoint, why)
                 return Result(False, self.time, (why,))
-        self._recorder.write("/event", log.Event(self.time, "note", "mission complete"), self.time)
+        self._recorder.note(self.time, "mission complete")
         return Result(True, self.time, ())
 
     def _leg(
@@ -175,7 +168,7 @@ class Supervisor:
 
     def _stop(self, index: int, reference: LegReference, state: State, setpoint: Setpoint, why: str) -> None:
         """Brakes on, palms closed, wheels off: hold there, and keep recording for a while."""
-        self._recorder.write("/event", log.Event(self.time, "breach", why), self.time)
+        self._recorder.note(self.time, why, "breach")
         self._command.brake[:], self._command.grip[:] = True, True
         self._command.drive, self._command.turn = np.zeros(4), np.zeros(4)
         self._command.pull = np.zeros(4)
@@ -186,12 +179,12 @@ class Supervisor:
             if self._steps % SAMPLE_EVERY == 0:
                 measured = self._plant.measure()
                 self._sample(index, reference, Phase.STOPPED, state, setpoint, measured, np.zeros(4, bool))
-        self._recorder.write("/event", log.Event(self.time, "stop", "stopped on brakes, palms closed"), self.time)
+        self._recorder.note(self.time, "stopped on brakes, palms closed", "stop")
 
     def _note(self, phase: Phase, index: int) -> None:
         leg = self._mission.legs[index]
         what = f"base {leg.base}" if leg.base else (leg.stay or "platform")
-        self._recorder.write("/event", log.Event(self.time, "phase", f"leg {index}: {phase.value}, {what}"), self.time)
+        self._recorder.note(self.time, f"leg {index}: {phase.value}, {what}", "phase")
 
     def _sample(
         self,

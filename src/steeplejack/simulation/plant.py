@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -13,26 +11,12 @@ from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime.plant import Command, Measurement, Truth
 from steeplejack.simulation import winch
+from steeplejack.simulation.sensors import Sensors, arc_length, sense
 from steeplejack.simulation.scene import TIMESTEP, Rail, build, rail
 
 Array = NDArray[np.float64]
 
-TURN_GAIN = 400.0  # [N m s/rad] of the drive that turns a base about its stay while its palms are open
-
-
-@dataclass(frozen=True)
-class Errors:
-    """What is wrong with the sensors of one run, drawn once from a seed."""
-
-    odometry: Array  # (4,) [1] scale error of each wheel
-    torque: Array  # (4,) [1] scale error of each torque constant
-
-    @classmethod
-    def draw(cls, squad: Squad, rng: np.random.Generator) -> Errors:
-        """Errors of the size the robot file states."""
-        return cls(
-            rng.normal(0.0, 1.0, 4) * squad.base.odometry_drift, rng.normal(0.0, 1.0, 4) * squad.winch.torque_scale_error
-        )
+TURN_GAIN = 20.0  # [N m s/rad] of the drive that turns a base about its stay while its palms are open
 
 
 class SquadPlant:
@@ -64,11 +48,11 @@ class SquadPlant:
         gravity: Array,
         rng: np.random.Generator,
     ) -> None:
-        self.squad, self._rng = squad, rng
+        self.squad = squad
         self.rails: tuple[Rail, ...] = tuple(rail(bay, bay.carriers[i], *ranges[i]) for i in range(4))
         self.model = build(bay, squad, self.rails, mass, gravity)
         self.data = mujoco.MjData(self.model)
-        self.errors = Errors.draw(squad, rng)
+        self.sensors = Sensors(squad, rng)
         model, data = self.model, self.data
         self._along = np.array([model.joint(f"along{i}").qposadr[0] for i in range(1, 5)])
         self._bow = np.array([model.joint(f"bow{i}").qposadr[0] for i in range(1, 5)])
@@ -80,23 +64,30 @@ class SquadPlant:
         self._platform = int(model.body("platform").id)
         self._exit_sites = np.array([model.site(f"exit{i}").id for i in range(1, 5)])
         self._constants = winch.constants(squad)
+        self._references = np.array([each.reference for each in self.rails])
+        self._arcs = np.stack([each.arc for each in self.rails])
         for i in range(4):
             x = self.rails[i].x(stance.s[i])
             data.qpos[self._along[i]] = x
-            data.qpos[self._bow[i]] = np.polyval(self.rails[i].bow[::-1], x)
+            data.qpos[self._bow[i]] = self.rails[i].y(x)
             data.qpos[self._turn[i]] = stance.clock[i]
         data.qpos[self._free : self._free + 3] = position
         mujoco.mju_mat2Quat(data.qpos[self._free + 3 : self._free + 7], np.ascontiguousarray(rotation).ravel())
         mujoco.mj_forward(model, data)
-        self.tensions = tensions.astype(float).copy()
+        # Views into MuJoCo's own arrays, taken once: the properties cost more than the arithmetic.
+        self._qpos, self._qvel, self._inputs = data.qpos, data.qvel, data.ctrl
+        self._lengths, self._rates = data.ten_length, data.ten_velocity
+        self.tensions = self._inputs[:4]  # the tendon actuators' inputs themselves
+        self.tensions[:] = tensions
         self.paid = data.ten_length.copy() / (1.0 + self.tensions / squad.cable.axial_stiffness)
         self.pay_rates = np.zeros(4)
         self._least, self._largest = self.tensions.copy(), self.tensions.copy()
-        self._read = self.paid.copy(), 0.0
+        self._read_at = 0.0
         self.palm = np.full(4, squad.gripper.force)
         self._start = np.array(stance.s, float)
         self._command = Command(self.tensions.copy(), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
         self._measurement = Measurement()
+        self._measurement.paid[:] = self.paid
         self._set_friction()
 
     @property
@@ -121,54 +112,63 @@ class SquadPlant:
 
     def advance(self, steps: int) -> None:
         """Advance the physics."""
-        model, data, command, base = self.model, self.data, self._command, self.squad.base
-        goal = np.where(command.grip, self.squad.gripper.force, 0.0)
-        moving = bool(np.any(goal != self.palm))
-        rate = self.squad.gripper.force / self.squad.gripper.close_time * TIMESTEP
-        traction = np.clip(command.drive, -base.drive_force, base.drive_force)
-        data.ctrl[4:8] = traction
+        model, data, command = self.model, self.data, self._command
+        self._drive(command)
         for _ in range(steps):
-            if moving:
-                self.palm += np.clip(goal - self.palm, -rate, rate)
-                self._set_friction()
             mujoco.mj_step1(model, data)
             winch.advance(
-                data.ten_length, data.ten_velocity, self.paid, self.pay_rates,
+                self._lengths, self._rates, self.paid, self.pay_rates,
                 command.pull, command.brake, self._constants, TIMESTEP, self.tensions,
                 self._least, self._largest,
             )  # fmt: skip
-            data.ctrl[:4] = self.tensions
-            if not command.grip.all():
-                slip = TURN_GAIN * (command.turn - data.qvel[self._turn_dof])
-                data.ctrl[8:12] = np.where(command.grip, 0.0, np.clip(slip, -base.twist_torque, base.twist_torque))
-            else:
-                data.ctrl[8:12] = 0.0
             mujoco.mj_step2(model, data)
+        self._squeeze(command, steps * TIMESTEP)
+
+    def _drive(self, command: Command) -> None:
+        """Wheel tractions up to what the wheels hold, and the drive that turns a base whose palms are open."""
+        base, inputs = self.squad.base, self._inputs
+        if command.grip.all() and not command.drive.any():
+            inputs[4:] = 0.0
+            return
+        inputs[4:8] = np.clip(command.drive, -base.drive_force, base.drive_force)
+        slip = TURN_GAIN * (command.turn - self._qvel[self._turn_dof])
+        inputs[8:] = np.where(command.grip, 0.0, np.clip(slip, -base.twist_torque, base.twist_torque))
+
+    def _squeeze(self, command: Command, time: float) -> None:
+        """Palms close and open at their own speed; what they hold follows their preload."""
+        force = self.squad.gripper.force
+        for i in range(4):
+            goal = force if command.grip[i] else 0.0
+            if goal != self.palm[i]:
+                most = force * time / self.squad.gripper.close_time
+                self.palm[i] += min(max(goal - self.palm[i], -most), most)
+                self._set_friction()
 
     def measure(self) -> Measurement:
-        """Read the sensors: quantised encoders, noisy currents, drifting odometry."""
-        out, squad, data = self._measurement, self.squad, self.data
-        count = 2.0 * np.pi * squad.winch.drum_radius / (squad.winch.ratio * squad.winch.encoder_counts)
-        out.paid[:] = np.round(self.paid / count) * count
-        before, then = self._read
-        if data.time > then:
-            out.pay_rate[:] = (out.paid - before) / (data.time - then)
-            self._read = out.paid.copy(), float(data.time)
-        gear = squad.winch.ratio / squad.winch.drum_radius
-        noise = self._rng.normal(0.0, squad.winch.current_noise * squad.winch.torque_constant * gear, 4)
-        out.pull[:] = self._command.pull * (1.0 + self.errors.torque) + noise
-        grain = squad.base.encoder_step
-        driven = self.s - self._start
-        out.s[:] = self._start + np.round(driven * (1.0 + self.errors.odometry) / grain) * grain
-        out.s_rate[:] = data.qvel[self._along_dof] * (1.0 + self.errors.odometry)
-        out.clock[:] = data.qpos[self._turn]
-        out.palm[:] = self.palm + self._rng.normal(0.0, squad.gripper.palm_noise, 4)
+        """Read the sensors."""
+        out, sensors, now = self._measurement, self.sensors, self.data.time
+        sense(
+            out.values,
+            self.paid,
+            now - self._read_at,
+            self._command.pull,
+            self.s,
+            self._qvel[self._along_dof],
+            self._start,
+            self._qpos[self._turn],
+            self.palm,
+            sensors.noise(),
+            sensors.odometry,
+            sensors.torque,
+            sensors.grains,
+        )
+        self._read_at = now
         return out
 
     @property
     def s(self) -> Array:
         """True base positions (4,) [m]."""
-        return np.array([self.rails[i].s(float(self.data.qpos[self._along[i]])) for i in range(4)])
+        return arc_length(self._qpos[self._along], self._references, self._arcs)
 
     def extremes(self) -> tuple[Array, Array]:
         """Least and largest true tensions since the last call."""

@@ -42,9 +42,9 @@ class Rail:
         """Slide coordinate [m] of an arc length [m]."""
         return float(np.polyval(self.cast[::-1], s - self.reference))
 
-    def s(self, x: float) -> float:
-        """Arc length [m] of a slide coordinate [m]."""
-        return self.reference + float(np.polyval(self.arc[::-1], x))
+    def y(self, x: float) -> float:
+        """Place across the tangent [m] of a slide coordinate [m]."""
+        return float(np.polyval(self.bow[::-1], x))
 
 
 def rail(bay: Bay, k: int, low: float, high: float) -> Rail:

@@ -236,72 +236,108 @@ def hang(
 
 
 @njit(cache=True)
+def _arm(rotation: Array, point: Array) -> tuple[float, float, float]:
+    return (
+        rotation[0, 0] * point[0] + rotation[0, 1] * point[1] + rotation[0, 2] * point[2],
+        rotation[1, 0] * point[0] + rotation[1, 1] * point[1] + rotation[1, 2] * point[2],
+        rotation[2, 0] * point[0] + rotation[2, 1] * point[1] + rotation[2, 2] * point[2],
+    )
+
+
+@njit(cache=True)
 def residual(
-    anchors: Array,
     attachments: Array,
     weight: Array,
     centre: Array,
-    position: Array,
     rotation: Array,
+    u: Array,
     tensions: Array,
 ) -> Array:
-    """What is missing to equilibrium: moment about the platform's origin [N m] and force [N] (6,), world frame."""
-    u, _lengths = directions(anchors, attachments, position, rotation)
+    """What is missing to equilibrium: moment about the platform's origin [N m] and force [N] (6,), world frame.
+
+    Args:
+        attachments: Attachments (m, 3) [m].
+        weight: Gravity force (3,) [N].
+        centre: Centre of mass (3,) [m].
+        rotation: Platform orientation (3, 3).
+        u: Cable directions (m, 3), see :func:`directions`.
+        tensions: Tensions (m,) [N].
+    """
     out = np.zeros(6)
-    for i in range(anchors.shape[0] + 1):
-        if i < anchors.shape[0]:
-            arm = rotation @ attachments[i]
-            force = tensions[i] * u[i]
+    m = attachments.shape[0]
+    for i in range(m + 1):
+        if i < m:
+            a0, a1, a2 = _arm(rotation, attachments[i])
+            f0, f1, f2 = tensions[i] * u[i, 0], tensions[i] * u[i, 1], tensions[i] * u[i, 2]
         else:
-            arm = rotation @ centre
-            force = weight
-        out[0] += arm[1] * force[2] - arm[2] * force[1]
-        out[1] += arm[2] * force[0] - arm[0] * force[2]
-        out[2] += arm[0] * force[1] - arm[1] * force[0]
-        out[3:] += force
+            a0, a1, a2 = _arm(rotation, centre)
+            f0, f1, f2 = weight[0], weight[1], weight[2]
+        out[0] += a1 * f2 - a2 * f1
+        out[1] += a2 * f0 - a0 * f2
+        out[2] += a0 * f1 - a1 * f0
+        out[3] += f0
+        out[4] += f1
+        out[5] += f2
     return out
 
 
 @njit(cache=True)
 def stiffness(
-    anchors: Array,
     attachments: Array,
     weight: Array,
     centre: Array,
-    position: Array,
     rotation: Array,
+    u: Array,
+    lengths: Array,
     tensions: Array,
     cable_stiffness: Array,
 ) -> Array:
     """Hessian (6, 6) of the potential with locked winches, for a (rotation; translation) about the platform's origin.
 
     ``K = sum_i k_i j_i j_i^T + K_t``: the elastic part along the cables (j_i the derivative of length i) and the
-    tension part, which alone stiffens the platform out of the plane of its cables.
+    tension part, which alone stiffens the platform out of the plane of its cables:
+    ``t_i / l_i D_i^T (I - u_i u_i^T) D_i`` with ``D_i = [-(r_i x), I]``, and ``(f . r) I - (f r^T + r f^T) / 2`` in the
+    rotations for every force f at an arm r, the weight at the centre of mass included.
 
     Args:
-        anchors: Winch exits (m, 3) [m].
         attachments: Attachments (m, 3) [m].
         weight: Gravity force (3,) [N].
         centre: Centre of mass (3,) [m].
-        position: Platform position (3,) [m].
         rotation: Platform orientation (3, 3).
+        u: Cable directions (m, 3), see :func:`directions`.
+        lengths: Cable lengths (m,) [m].
         tensions: Tensions (m,) [N].
         cable_stiffness: k_i = EA / L_i (m,) [N/m]; zeros give the Hessian at constant tension.
     """
-    u, lengths = directions(anchors, attachments, position, rotation)
     out = np.zeros((6, 6))
-    lever = np.zeros((3, 6))
-    for i in range(anchors.shape[0] + 1):
-        if i < anchors.shape[0]:
-            arm = rotation @ attachments[i]
-            force = tensions[i] * u[i]
-            lever[:, :3] = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
-            lever[:, 3:] = np.eye(3)
-            across = np.eye(3) - np.outer(u[i], u[i])
-            out += lever.T @ (across * (tensions[i] / lengths[i]) + np.outer(u[i], u[i]) * cable_stiffness[i]) @ lever
-        else:
-            arm = rotation @ centre
-            force = weight
-        turn = np.eye(3) * np.sum(force * arm) - 0.5 * (np.outer(force, arm) + np.outer(arm, force))
-        out[:3, :3] += turn
+    across, lever = np.zeros((3, 3)), np.zeros((3, 6))
+    arm, force = np.zeros(3), np.zeros(3)
+    lever[0, 3] = lever[1, 4] = lever[2, 5] = 1.0
+    m = attachments.shape[0]
+    for i in range(m + 1):
+        arm[0], arm[1], arm[2] = _arm(rotation, attachments[i] if i < m else centre)
+        dot = 0.0
+        for k in range(3):
+            force[k] = tensions[i] * u[i, k] if i < m else weight[k]
+            dot += force[k] * arm[k]
+        for j in range(3):
+            out[j, j] += dot
+            for k in range(3):
+                out[j, k] -= 0.5 * (force[j] * arm[k] + arm[j] * force[k])
+        if i == m:
+            break
+        lever[0, 1], lever[0, 2] = arm[2], -arm[1]
+        lever[1, 0], lever[1, 2] = -arm[2], arm[0]
+        lever[2, 0], lever[2, 1] = arm[1], -arm[0]
+        tight = tensions[i] / lengths[i]
+        for j in range(3):
+            for k in range(3):
+                across[j, k] = (cable_stiffness[i] - tight) * u[i, j] * u[i, k] + (tight if j == k else 0.0)
+        for j in range(6):
+            for k in range(6):
+                total = 0.0
+                for p in range(3):
+                    for q in range(3):
+                        total += lever[p, j] * across[p, q] * lever[q, k]
+                out[j, k] += total
     return out

@@ -1,0 +1,107 @@
+"""What to inspect when the user leaves it open: a bay that fits, and a stretch that can be held."""
+
+from __future__ import annotations
+
+
+import numpy as np
+
+from steeplejack.errors import InfeasibleError, InputError
+from steeplejack.planning.certificate import Rules, Scene
+from steeplejack.planning.compatibility import Verdict, check
+from steeplejack.planning.inspection import held_fraction
+from steeplejack.robots.squad.bay import Bay
+from steeplejack.robots.squad.parameters import Squad
+from steeplejack.worksite import Bridge, Fan
+
+USUAL = (5, 9)  # the bay tried first
+ABOUT = 100.0  # [m] of interior stay inspected when nothing is asked for
+STARTS = (20.0, 30.0, 40.0, 15.0, 50.0, 60.0, 80.0)  # [m] where such a stretch may begin, in the order tried
+
+
+def verdicts(bridge: Bridge, squad: Squad) -> tuple[Verdict, ...]:
+    """The verdict on every stay of a bridge."""
+    return tuple(check(stay, squad) for fan in bridge.fans.values() for stay in fan.stays)
+
+
+def choose_bay(
+    bridge: Bridge, squad: Squad, fan: str | None, stays: tuple[int, int] | None, accept_unknown: bool
+) -> tuple[Fan, tuple[int, int], tuple[str, ...]]:
+    """A fan and its boundary stays, as asked or the first that fits; and the unknown data that were accepted.
+
+    Raises:
+        InputError: No such fan or stays; or data are unknown and were not accepted.
+        InfeasibleError: Stays that do not fit the machine; the first reason binds.
+    """
+    fans = [bridge.fan(fan)] if fan else list(bridge.fans.values())
+    refusals: list[Verdict] = []
+    lacking: list[Verdict] = []
+    for each in fans:
+        for first, last in [stays] if stays else _bays(each):
+            if last - first < 2:
+                raise InputError("--stays", f"{first}:{last} has no interior stay", "boundary stays at least two apart")
+            found = [check(stay, squad) for stay in each.between(first, last)]
+            bad = [verdict for verdict in found if verdict.fits is False]
+            open_ = [verdict for verdict in found if verdict.fits is None]
+            refusals += bad
+            if bad:
+                continue
+            if open_ and not accept_unknown:
+                lacking += open_
+                continue
+            names = sorted({name for verdict in open_ for name in verdict.unknown})
+            shape = sorted({name for stay in each.between(first, last) for name in stay.unknown} - {"diameter"})
+            assumed = [f"{name}: the machine's largest, {1e3 * squad.base.stay_diameter[1]:.0f} mm" for name in names]
+            assumed += [f"{name}: unknown, so the stays are taken as straight chords" for name in shape]
+            return each, (first, last), tuple(assumed)
+    if lacking:
+        verdict = lacking[0]
+        raise InputError(
+            f"stay {verdict.stay}", f"{', '.join(verdict.unknown)} unknown", "give it, or --accept-unknown to assume it"
+        )
+    why = f"stay {refusals[0].stay}: {refusals[0].reasons[0]}" if refusals else "no fan has three stays in a row"
+    raise InfeasibleError(f"no bay of {bridge.name} fits {squad.name}", why)
+
+
+def _bays(fan: Fan) -> list[tuple[int, int]]:
+    """Bays of a fan, the usual one first, then five stays at a time, then fewer."""
+    indices = [stay.index for stay in fan.stays]
+    wide = [(indices[i], indices[i + n]) for n in (4, 3, 2) for i in range(len(indices) - n)]
+    return sorted(wide, key=lambda bay: bay != USUAL)
+
+
+def choose_stretch(
+    bridge: Bridge,
+    bay: Bay,
+    squad: Squad,
+    rules: Rules,
+    asked: tuple[float | None, float | None],
+) -> tuple[float, float]:
+    """Where along the interior stays to inspect [m]: as asked, or about 100 m in all that some stances hold.
+
+    Raises:
+        InputError: Outside the stays or upside down.
+    """
+    low, high = asked
+    reach = bay.reach
+    each = ABOUT / len(bay.interior)
+    if low is None and high is None:
+        scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
+        options = [(start, min(start + each, reach)) for start in STARTS if start + 0.5 * each < reach]
+        best = (-1.0, (0.0, min(each, reach)))
+        for option in options:
+            share = held_fraction(scene, *option)
+            if share > best[0] + 1e-9:
+                best = share, option
+            if share > 0.999:
+                break
+        return best[1]
+    low = low if low is not None else max(0.0, (high or 0.0) - each)
+    high = high if high is not None else min(reach, low + each)
+    for name, value in (("--from-m", low), ("--to-m", high)):
+        if not 0.0 <= value <= reach:
+            raise InputError(name, f"{value:g} m", f"0 to {reach:.1f} m, the length of the bay's shortest stay")
+    if high - low < 1.0:
+        raise InputError("--from-m, --to-m", f"{low:g} to {high:g} m", "a stretch of at least 1 m")
+    return low, high
+
+
