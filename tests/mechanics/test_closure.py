@@ -31,7 +31,7 @@ def eq37(matrix):
 def random_structures(rng, count):
     anchors = np.array([[-2.0, -1.5], [2.0, -1.2], [2.3, 1.4], [-1.6, 1.8]]) + rng.uniform(-1.0, 1.0, (count, 4, 2))
     attachments = np.array([[-0.4, -0.3], [0.5, -0.2], [0.3, 0.4], [-0.2, 0.5]])
-    pose = rng.uniform([-1.0, -0.8, -0.7], [1.0, 0.8, 0.7], (count, 3))
+    pose = rng.uniform([-1.0, -0.8, -0.3], [1.0, 0.8, 0.3], (count, 3))
     return planar_structure_matrix(anchors, attachments, pose)
 
 
@@ -81,7 +81,7 @@ def test_eq_5_and_6_as_printed_have_an_empty_workspace_at_every_orientation(refe
 def test_closure_agrees_with_a_linear_program(rng):
     structures = random_structures(rng, 400)
     inside = in_wrench_closure(structures)
-    assert 100 < inside.sum() < 380
+    assert 60 < inside.sum() < 340
     for structure, held in zip(structures, inside, strict=True):
         program = linprog(np.zeros(4), A_eq=structure, b_eq=np.zeros(3), bounds=(1.0, None))
         assert (program.status == 0) == held

@@ -168,7 +168,7 @@ def certify(
         guess: Orientation to start from (3, 3).
         lower: Least tensions (4,) [N].
         upper: Largest tensions (4,) [N].
-        target: Tensions to stay near to (4,) [N].
+        target: Tensions to stay near to (n, 4) [N].
         cable_stiffness: EA [N].
         axes: Polylines of the stays (k, m, 3) [m].
         radii: Radii of the stays (k,) [m].
@@ -183,7 +183,7 @@ def certify(
     for j in range(n):
         ends, stiff = np.empty((4, 3)), np.empty(4)
         rotation, t, room = suspension.hang(
-            anchors[j], attachments, weight, centre, points[j], guess, lower, pull[j], upper, target
+            anchors[j], attachments, weight, centre, points[j], guess, lower, pull[j], upper, target[j]
         )
         u, lengths = suspension.directions(anchors[j], attachments, points[j], rotation)
         for i in range(4):
@@ -208,8 +208,11 @@ class Held:
     good: NDArray[np.bool_]  # (n,)
 
 
-def hold(scene: Scene, anchors: Array, pull: Array, places: Array, driving: bool = False) -> Held:
-    """Certify places (n, 3) = (eta, s, d) for winch exits (n, 4, 3) and limits (n, 2, 4, 4), or one of each for all."""
+def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array | None = None) -> Held:
+    """Certify places (n, 3) = (eta, s, d) for winch exits (n, 4, 3) and limits (n, 2, 4, 4), or one of each for all.
+
+    ``target`` are the tensions to stay near to (n, 4) [N]; without it those of the scene.
+    """
     places = np.atleast_2d(places)
     n = len(places)
     middle = places[n // 2]
@@ -224,7 +227,7 @@ def hold(scene: Scene, anchors: Array, pull: Array, places: Array, driving: bool
         scene.bay.frame(float(middle[0]), float(middle[1])),
         lower,
         upper,
-        scene.target,
+        np.ascontiguousarray(np.broadcast_to(scene.target if target is None else target, (n, 4))),
         scene.squad.cable.axial_stiffness,
         scene.axes,
         scene.radii,

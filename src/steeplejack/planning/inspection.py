@@ -23,6 +23,9 @@ Flags = NDArray[np.bool_]
 
 STANCES_PER_CELL = 3
 LEAST_GAIN = 1.0  # [m] of stay a further stance must add
+BRACED = 0.5  # [N] of jump in a planned tension above which a brace is inserted
+BRACE_SAMPLE = 5.0  # [N] between the equilibria of a brace
+BRACE_SPEED = 20.0  # [N/s] and [N/s2], estimate: a tenth of the winch's pull a second
 SMOOTHING = 5  # stations over which the stand-off is averaged, twice
 
 
@@ -151,7 +154,7 @@ def _advance(
         legs.append(_flight(scene, stance, places, number, "inspect", scene.bay.stays[k].id))
         place = places[-1]
         seen[row, first : last + 1] = True
-    return _Progress(stance, place, number, (*state.legs, *legs)), seen
+    return _Progress(stance, place, number, _joined(scene, (*state.legs, *legs))), seen
 
 
 def _visits(
@@ -221,6 +224,36 @@ def _driving(scene: Scene, drive: Drive, number: int) -> Leg:
     return Leg("drive", number, None, drive.base + 1, motion.drive_speed, base.max_acceleration, waypoints)
 
 
+def _joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
+    """The legs with a brace wherever the planned tensions would jump from one to the next."""
+    out: list[Leg] = list(legs[:1])
+    for leg in legs[1:]:
+        before, after = out[-1].waypoints[-1], leg.waypoints[0]
+        change = np.subtract(after.tension_n, before.tension_n)
+        most = float(np.max(np.abs(change)))
+        if most > BRACED:
+            out.append(_brace(scene, before, after, change, leg.stance))
+        out.append(leg)
+    return tuple(out)
+
+
+def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, number: int) -> Leg:
+    """Change the tensions at one place, through equilibria, all bases gripped.
+
+    Both ends lie in the family ``t_p + lambda n`` of one place and within the limits of gripped bases, which are
+    linear in the tensions: so does everything between.
+    """
+    most = float(np.max(np.abs(change)))
+    share = np.linspace(0.0, 1.0, max(3, int(np.ceil(most / BRACE_SAMPLE)) + 1))
+    places = np.tile(before.place, (len(share), 1))
+    points = np.tile(before.position_m, (len(share), 1))
+    s, clock = np.tile(after.base_s_m, (len(share), 1)), np.tile(np.radians(after.base_clock_deg), (len(share), 1))
+    anchors, pull = scene.anchors(s[0], clock[0])
+    target = np.asarray(before.tension_n) + share[:, None] * change
+    waypoints = _waypoints(scene, most * share, places, points, anchors, pull, s, clock, target)
+    return Leg("brace", number, None, None, BRACE_SPEED, BRACE_SPEED, waypoints)
+
+
 def _waypoints(
     scene: Scene,
     travel: Array,
@@ -230,8 +263,9 @@ def _waypoints(
     pull: Array,
     s: Array,
     clock: Array,
+    target: Array | None = None,
 ) -> tuple[Waypoint, ...]:
-    held = hold(scene, anchors, pull, places)
+    held = hold(scene, anchors, pull, places, target)
     return tuple(
         Waypoint(
             round(float(travel[j]), 6),

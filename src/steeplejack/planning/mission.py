@@ -1,7 +1,8 @@
 """The mission: what the squad will do, leg by leg, as one readable, hashed file.
 
-A leg is either a flight of the platform between gripped bases (``inspect`` along a stay, ``fly`` elsewhere) or the
-drive of one base while the platform is parked. Its waypoints are equilibria certified at planning time; positions
+A leg is a flight of the platform between gripped bases (``inspect`` along a stay, ``fly`` elsewhere), the drive of one
+base while the platform is parked, or a ``brace``: the tensions change at one place, all bases gripped, before or after a
+base may carry less. Its waypoints are equilibria certified at planning time; positions
 between them follow by cubic interpolation in the travel. Angles in this file are degrees and say so.
 """
 
@@ -23,7 +24,7 @@ FORMAT = "steeplejack-mission-1"
 class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """An equilibrium on the way."""
 
-    travel_m: float  # along the leg: of the platform, or of the base under way
+    travel: float  # along the leg: of the platform or of the base under way [m]; of the most changed tension [N]
     place: Three  # (stays across the bay, metres along, metres off the axis)
     position_m: Three  # world
     quaternion: Four  # platform to world, (w, x, y, z)
@@ -35,12 +36,12 @@ class Waypoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Leg(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One rest-to-rest motion."""
 
-    kind: Literal["inspect", "fly", "drive"]
+    kind: Literal["inspect", "fly", "drive", "brace"]
     stance: int
     stay: str | None  # inspected stay
     base: int | None  # base under way, 1 to 4
-    speed_m_s: float
-    acceleration_m_s2: float
+    speed: float  # of the travel [m/s or N/s]
+    acceleration: float  # of the travel [m/s2 or N/s2]
     waypoints: tuple[Waypoint, ...]
 
 

@@ -42,14 +42,14 @@ class LegReference:
 
     leg: Leg
     timing: Profile
-    knots: Array  # (n,) [m]
+    knots: Array  # (n,) [m], or [N] when tensions change at one place
     coefficients: Array  # (4, n - 1, 19): position 3, quaternion 4, tension 4, s 4, clock 4
 
     @classmethod
     def of(cls, leg: Leg) -> LegReference:
         """Interpolate a leg's waypoints."""
         points = leg.waypoints
-        knots = np.array([p.travel_m for p in points])
+        knots = np.array([p.travel for p in points])
         columns = np.hstack(
             [
                 np.array([p.position_m for p in points]),
@@ -59,7 +59,7 @@ class LegReference:
                 np.unwrap(np.radians([p.base_clock_deg for p in points]), axis=0),
             ]
         )
-        timing = profile(float(knots[-1]), leg.speed_m_s, leg.acceleration_m_s2)
+        timing = profile(float(knots[-1]), leg.speed, leg.acceleration)
         return cls(leg, timing, knots, np.ascontiguousarray(CubicSpline(knots, columns).c))
 
     def at(self, time: float) -> Setpoint:

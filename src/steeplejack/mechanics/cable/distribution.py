@@ -144,5 +144,5 @@ def certificate_gap(
 
 
 def _stack(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Broadcast to ``shape + tail`` and flatten the leading axes to one."""
-    return np.ascontiguousarray(np.broadcast_to(values, (*shape, *tail))).reshape(-1, *tail)
+    """Broadcast to ``shape + tail``, leading axes flattened to one; always a copy, so that one compilation serves."""
+    return np.array(np.broadcast_to(values, (*shape, *tail)), order="C").reshape(-1, *tail)

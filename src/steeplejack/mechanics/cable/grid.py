@@ -56,7 +56,7 @@ def tension_factor_grid(anchors: ArrayLike, attachments: ArrayLike, phi: float, 
     Returns:
         TF, (ny, nx) [1].
     """
-    x, y = np.ascontiguousarray(xs, dtype=np.float64), np.ascontiguousarray(ys, dtype=np.float64)
+    x, y = _own(xs), _own(ys)
     arms = planar_arms(attachments, phi)
     roots = np.asarray(anchors, dtype=np.float64) - arms
     middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
@@ -99,7 +99,7 @@ def margin_grid(
     Returns:
         Margin, (ny, nx) [1].
     """
-    x, y = np.ascontiguousarray(xs, dtype=np.float64), np.ascontiguousarray(ys, dtype=np.float64)
+    x, y = _own(xs), _own(ys)
     arms, low, high = planar_arms(attachments, phi), _each(lower), _each(upper)
     margins = np.empty((y.size, x.size))
     line.planar_margins(
@@ -107,10 +107,10 @@ def margin_grid(
         arms,
         x,
         y,
-        np.ascontiguousarray(wrench, dtype=np.float64),
+        _own(wrench),
         low,
         high,
-        np.zeros((4, 2)) if stays is None else np.ascontiguousarray(stays, dtype=np.float64),
+        np.zeros((4, 2)) if stays is None else _own(stays),
         _each(pull_limit),
         0.5 * float((high - low).max()),
         margins,
@@ -152,9 +152,14 @@ def _flat(roots: Array, arms: Array, xs: Array, ys: Array) -> float:
     return float(LEAST_VOLUME**2 * (arms**2).sum(axis=1).max() * longest**8)
 
 
+def _own(values: ArrayLike) -> Array:
+    """A contiguous copy: views and read-only arrays would each compile the kernels anew."""
+    return np.array(values, dtype=np.float64, order="C")
+
+
 def _each(values: ArrayLike) -> Array:
     """One value a cable, (4,)."""
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float64), (4,)))
+    return _own(np.broadcast_to(np.asarray(values, dtype=np.float64), (4,)))
 
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract", "nsz", "nnan", "ninf"})
