@@ -32,7 +32,6 @@ def nodes(phi_deg, step=0.01):
     return np.stack((x.ravel(), y.ravel(), np.full(x.size, np.deg2rad(phi_deg))), axis=-1)
 
 
-@pytest.mark.parametrize("phi_deg", [44.0, 50.0, 56.0])
 def test_every_pose_of_the_workspace_is_found_from_the_best_one(table, start):
     poses = np.concatenate([nodes(phi_deg) for phi_deg in (44.0, 50.0, 56.0)])
     poses = poses[tension_factor(planar_structure_matrix(*table, poses)) > 0.0][::5]

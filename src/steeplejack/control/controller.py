@@ -184,7 +184,14 @@ class PlatformController:
             self._gains,
             self._window,
         )
-        return State(position, rotation, velocity, tension, momentum, offset, points, tangents), pull, drive, turn, status, left
+        return (
+            State(position, rotation, velocity, tension, momentum, offset, points, tangents),
+            pull,
+            drive,
+            turn,
+            status,
+            left,
+        )
 
 
 def _tabulate(bay: Bay) -> Array:

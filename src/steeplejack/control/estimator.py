@@ -131,9 +131,15 @@ def estimate(
     errors, speeds = np.empty(10), np.zeros(10)
     square = 0.0
     for i in range(4):
-        a0 = rotation[0, 0] * attachments[i, 0] + rotation[0, 1] * attachments[i, 1] + rotation[0, 2] * attachments[i, 2]
-        a1 = rotation[1, 0] * attachments[i, 0] + rotation[1, 1] * attachments[i, 1] + rotation[1, 2] * attachments[i, 2]
-        a2 = rotation[2, 0] * attachments[i, 0] + rotation[2, 1] * attachments[i, 1] + rotation[2, 2] * attachments[i, 2]
+        a0 = (
+            rotation[0, 0] * attachments[i, 0] + rotation[0, 1] * attachments[i, 1] + rotation[0, 2] * attachments[i, 2]
+        )
+        a1 = (
+            rotation[1, 0] * attachments[i, 0] + rotation[1, 1] * attachments[i, 1] + rotation[1, 2] * attachments[i, 2]
+        )
+        a2 = (
+            rotation[2, 0] * attachments[i, 0] + rotation[2, 1] * attachments[i, 1] + rotation[2, 2] * attachments[i, 2]
+        )
         rows[i, 0] = -(a1 * u[i, 2] - a2 * u[i, 1]) / weights[0]
         rows[i, 1] = -(a2 * u[i, 0] - a0 * u[i, 2]) / weights[0]
         rows[i, 2] = -(a0 * u[i, 1] - a1 * u[i, 0]) / weights[0]

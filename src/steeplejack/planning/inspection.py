@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from steeplejack.errors import InfeasibleError
-from steeplejack.robots.squad.anchorage import Stance
 from steeplejack.planning.certificate import Scene, hold
 from steeplejack.planning.lattice import SAMPLE, Lattice, profile_along, runs, visible_levels
 from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered, Waypoint
 from steeplejack.planning.moves import Drive, fly, squad_move
 from steeplejack.planning.stances import LOWER, UPPER, Cell, find, why_not
+from steeplejack.robots.squad.anchorage import Stance
 from steeplejack.spatial import to_quaternion
 
 Array = NDArray[np.float64]
@@ -210,7 +210,9 @@ def _flight(scene: Scene, stance: Stance, places: Array, number: int, kind: str,
     s, clock = np.tile(stance.s, (len(places), 1)), np.tile(stance.clock, (len(places), 1))
     waypoints = _waypoints(scene, travel, places, points, anchors, pull, s, clock)
     motion = scene.squad.motion
-    return Leg("inspect" if kind == "inspect" else "fly", number, stay, None, motion.speed, motion.acceleration, waypoints)
+    return Leg(
+        "inspect" if kind == "inspect" else "fly", number, stay, None, motion.speed, motion.acceleration, waypoints
+    )
 
 
 def _driving(scene: Scene, drive: Drive, number: int) -> Leg:
@@ -314,4 +316,3 @@ def _merged(stretches: list[Uncovered]) -> list[Uncovered]:
         else:
             out.append(item)
     return out
-

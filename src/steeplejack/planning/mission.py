@@ -127,7 +127,9 @@ def decode(content: bytes, where: str) -> Mission:
     if mission.format != FORMAT:
         raise InputError(where, f"format {mission.format!r}", FORMAT)
     if mission.sha256 != _digest(mission):
-        raise InputError(where, "content does not match its sha256", "a mission that has not been edited since planning")
+        raise InputError(
+            where, "content does not match its sha256", "a mission that has not been edited since planning"
+        )
     return mission
 
 

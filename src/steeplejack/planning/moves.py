@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.robots.squad.anchorage import Stance, admissible
 from steeplejack.planning.certificate import Scene, hold, survey
 from steeplejack.planning.lattice import Lattice, route, straighten
+from steeplejack.robots.squad.anchorage import Stance, admissible
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from steeplejack.errors import InfeasibleError, InputError
@@ -103,5 +102,3 @@ def choose_stretch(
     if high - low < 1.0:
         raise InputError("--from-m, --to-m", f"{low:g} to {high:g} m", "a stretch of at least 1 m")
     return low, high
-
-

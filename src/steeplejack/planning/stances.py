@@ -12,9 +12,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.robots.squad.anchorage import Stance, admissible, facing
 from steeplejack.planning.certificate import Scene, binding, hold, survey
 from steeplejack.planning.lattice import Lattice, visible_levels
+from steeplejack.robots.squad.anchorage import Stance, admissible, facing
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

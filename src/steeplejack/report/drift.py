@@ -53,7 +53,7 @@ def drift_shift(
     rows, right, lever = np.empty((10, 6)), np.empty(10), np.zeros((3, 6))
     for j in range(n):
         u, lengths = directions(actual[j], attachments, position[j], rotation[j])
-        rows[4:] = stiffness(actual[j], attachments, weight, centre, position[j], rotation[j], tension[j], no_stretch)
+        rows[4:] = stiffness(attachments, weight, centre, rotation[j], u, lengths, tension[j], no_stretch)
         right[4:] = 0.0
         for i in range(4):
             arm = rotation[j] @ attachments[i]

@@ -15,7 +15,7 @@ from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime import recorder as log
-from steeplejack.runtime.gait import TRANSITIONS, Outcome, Phase, Progress, judge
+from steeplejack.runtime.gait import TRANSITIONS, Phase, Progress, judge
 from steeplejack.runtime.plant import Command, Measurement, Plant
 from steeplejack.runtime.reference import LegReference
 from steeplejack.safety import BREACHES, Limits, check

@@ -11,8 +11,8 @@ from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime.plant import Command, Measurement, Truth
 from steeplejack.simulation import winch
-from steeplejack.simulation.sensors import Sensors, arc_length, sense
 from steeplejack.simulation.scene import TIMESTEP, Rail, build, rail
+from steeplejack.simulation.sensors import Sensors, arc_length, sense
 
 Array = NDArray[np.float64]
 

@@ -82,7 +82,11 @@ def _quaternion(axes: Array) -> str:
 def _base(squad: Squad, number: int, rail: Rail, radius: float) -> str:
     base = squad.base
     half = np.array([0.5 * base.length, 0.5 * base.exit_offset, 0.12])
-    inertia = base.mass / 3.0 * np.array([half[1] ** 2 + half[2] ** 2, half[0] ** 2 + half[2] ** 2, half[0] ** 2 + half[1] ** 2])
+    inertia = (
+        base.mass
+        / 3.0
+        * np.array([half[1] ** 2 + half[2] ** 2, half[0] ** 2 + half[2] ** 2, half[0] ** 2 + half[1] ** 2])
+    )
     friction = f'solreffriction="{_numbers(FRICTION_SOLREF)}" solimpfriction="{STIFF}"'
     return f"""
     <body name="base{number}" pos="{_numbers(rail.origin)}" quat="{_quaternion(rail.axes)}" gravcomp="1">

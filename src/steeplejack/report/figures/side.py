@@ -43,12 +43,12 @@ def side_figure(log: Log) -> str:
         _frame(axes, log, plane)
         inset = axes.inset_axes((0.0, 0.70, 0.24, 0.30))
         _overview(inset, axes, log, plane)
-        figure.legend(handles=_legend(log), loc="outside lower center", ncols=5)
+        figure.legend(handles=_legend(log), loc="outside lower center", ncols=4)
         return svg(figure, "side")
 
 
 def _plane(log: Log) -> Array:
-    """Directions (2, 3) level and up in the plane of the bay; the stays rise to the right."""
+    """Directions (2, 3) level and up in the plane of the bay; the stays rise towards +level."""
     bay = log.bay
     middle = 0.5 * (len(bay.stays) - 1)
     normal = bay.normal(middle, 0.5 * bay.reach)
@@ -75,10 +75,10 @@ def _stays(axes: Axes, log: Log, plane: Array, names: bool) -> None:
 
 
 def _name(axes: Axes, log: Log, plane: Array, stay: Stay) -> None:
-    """The stay's id where the drawing's stretch of it ends."""
-    (_low, high) = _reach(log)
-    x, y = plane @ stay.position(min(high + 1.0, stay.length))
-    axes.text(x + 0.6, y, stay.id, fontsize=8.0, color=MUTED, ha="left", va="center", clip_on=True)
+    """The stay's id where it enters the drawing from below."""
+    low, _high = _reach(log)
+    x, y = plane @ stay.position(max(0.0, low - 3.0))
+    axes.text(x + 1.0, y - 0.5, stay.id, fontsize=8.0, color=MUTED, ha="left", va="center", clip_on=True)
 
 
 def _reach(log: Log) -> tuple[float, float]:
@@ -115,21 +115,22 @@ def _bases(axes: Axes, log: Log, plane: Array) -> None:
         sample = samples[len(samples) // 2]
         platform = plane @ states.actual_position[sample]
         for i in range(4):
-            exit_ = plane @ states.exits_actual[sample, i]
-            axes.plot(*np.stack([exit_, platform], axis=1), color=CABLES[i], lw=0.6, alpha=0.55, zorder=4)
-            axes.plot(*exit_, "o", ms=11.0, color=CABLES[i], mec="white", mew=0.8, zorder=7)
-            axes.text(*exit_, str(number), color="white", fontsize=7.5, weight="bold", ha="center", va="center", zorder=8)
+            x, y = plane @ states.exits_actual[sample, i]
+            axes.plot([x, platform[0]], [y, platform[1]], color=CABLES[i], lw=0.6, alpha=0.55, zorder=4)
+            axes.plot(x, y, "o", ms=11.0, color=CABLES[i], mec="white", mew=0.8, zorder=7)
+            axes.text(x, y, str(number), color="white", fontsize=7.5, weight="bold", ha="center", va="center", zorder=8)
 
 
 def _frame(axes: Axes, log: Log, plane: Array) -> None:
     """Equal scales around the part of the bay the run took place in."""
     low, high = _reach(log)
-    corners = np.concatenate([plane @ stay.position([max(0.0, low - 4.0), min(high, stay.length)]).T for stay in log.bay.stays], 1)
+    corners = np.concatenate(
+        [plane @ stay.position([max(0.0, low - 4.0), min(high, stay.length)]).T for stay in log.bay.stays], 1
+    )
     (left, bottom), (right, top) = corners.min(axis=1) - 2.0, corners.max(axis=1) + 2.0
-    axes.set(xlim=(left, right + 7.0), ylim=(bottom, top), aspect="equal")
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     axes.set_xlabel("level, in the plane of the fan [m]")
     axes.set_ylabel("up, in the plane of the fan [m]")
-    axes.set_anchor("C")
 
 
 def _overview(inset: Axes, axes: Axes, log: Log, plane: Array) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from io import StringIO
 from typing import TYPE_CHECKING, Any
@@ -61,7 +61,7 @@ STYLE: dict[RcKeyType, Any] = {
 
 
 @contextmanager
-def canvas(height: float) -> Iterator[Figure]:
+def canvas(height: float) -> Generator[Figure]:
     """An empty figure across the page, ``height`` [inch] high, in the report's style."""
     with matplotlib.rc_context(STYLE):
         yield Figure(figsize=(WIDTH, height), layout="constrained")

@@ -50,6 +50,8 @@ def palm_angle(radius: float, palm_length: float, joint_distance: float, joint_h
     _require_positive("radius", radius, "m")
     _require_positive("palm length", palm_length, "m")
     _require_positive("joint distance", joint_distance, "m")
+    if not (math.isfinite(joint_height) and joint_height >= 0.0):
+        raise InputError("joint height", f"{joint_height:g} m", "finite and not negative")
     far = math.hypot(radius + joint_height, 0.5 * joint_distance)
     shortest, longest = abs(far - radius), far + radius
     if not shortest < palm_length < longest:

@@ -179,8 +179,12 @@ def load_squad(robot: str | Path = BUILT_IN) -> Squad:
         try:
             text = Path(robot).read_bytes()
         except OSError as error:
-            raise InputError(str(robot), error.strerror or "cannot be read", f"a TOML robot file or {BUILT_IN}") from None
+            raise InputError(
+                str(robot), error.strerror or "cannot be read", f"a TOML robot file or {BUILT_IN}"
+            ) from None
     try:
         return msgspec.toml.decode(text, type=Squad)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(robot), str(error).replace("\n", " "), "see the built-in ccrobot_s.toml for every field") from None
+        raise InputError(
+            str(robot), str(error).replace("\n", " "), "see the built-in ccrobot_s.toml for every field"
+        ) from None

@@ -1,0 +1,37 @@
+# Everything runs in a virtual environment of its own, made here from requirements.lock (names and versions).
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: inspect test bench docs clean
+
+# Set up and run the main job: plan, simulate and report the inspection of a bay of a real-sized bridge.
+inspect: $(VENV)/ready
+	$(BIN)/steeplejack inspect ecs620-like --fan T1L-main --stays 5:9 --out out
+
+# What CI runs: style, types, layering, tests, the docs page.
+test: $(VENV)/ready-dev
+	$(BIN)/ruff check src tests benchmarks examples
+	$(BIN)/ruff format --check src tests benchmarks examples
+	$(BIN)/basedpyright --pythonpath $(BIN)/python
+	$(BIN)/python -m pytest -n 2
+	$(BIN)/mkdocs build --strict --quiet
+
+bench: $(VENV)/ready-dev
+	$(BIN)/python benchmarks/planar_map.py
+	$(BIN)/python benchmarks/control_step.py
+
+docs: $(VENV)/ready-dev
+	$(BIN)/mkdocs build --strict
+
+$(VENV)/ready: pyproject.toml requirements.lock
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c requirements.lock -e .
+	touch $@
+
+$(VENV)/ready-dev: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c requirements.lock -e ".[dev]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) out site

@@ -1,0 +1,85 @@
+"""What every command shares: options, exit codes, JSON on stdout, progress and errors on stderr."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import typer
+
+from steeplejack.errors import InputError, SteeplejackError
+from steeplejack.worksite import Bridge, PlanarSite, load_worksite
+
+BAD_INPUT, INFEASIBLE, ENDED_EARLY, INTERRUPTED = 2, 3, 4, 130
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, everything else on stderr.")]
+Out = Annotated[Path, typer.Option("--out", help="Folder for the files it writes.")]
+Worksite = Annotated[str, typer.Argument(help="Built-in name, TOML worksite or CSV stay schedule.")]
+Robot = Annotated[str, typer.Option("--robot", help="ccrobot-s or a TOML robot file.")]
+
+
+class Ended(SteeplejackError):
+    """A run that ended early but safely."""
+
+
+def emit(answer: Any) -> None:
+    """Print one JSON object."""
+    print(msgspec.json.encode(answer).decode())
+
+
+def say(text: str) -> None:
+    """Tell a person, on stderr."""
+    print(text, file=sys.stderr)
+
+
+@contextmanager
+def bar(title: str, total: float) -> Generator[Callable[[float], None]]:
+    """A progress bar on stderr; the callable takes how far the work is."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description:<10}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task(title, total=total)
+        yield lambda done: progress.update(task, completed=min(done, total))
+        progress.update(task, completed=total)
+
+
+def bridge(worksite: str) -> Bridge:
+    """A worksite that is a bridge."""
+    site = load_worksite(worksite)
+    if not isinstance(site, Bridge):
+        raise InputError("WORKSITE", f"{worksite} is a planar example", "a bridge or a stay schedule")
+    return site
+
+
+def planar(worksite: str) -> PlanarSite:
+    """A worksite in the plane."""
+    site = load_worksite(worksite)
+    if not isinstance(site, PlanarSite):
+        raise InputError("WORKSITE", f"{worksite} is a bridge", "a planar worksite such as table-iii")
+    return site
+
+
+def positive(option: str, value: float, unit: str) -> float:
+    """An option that must be above 0."""
+    if not value > 0.0:
+        raise InputError(option, f"{value:g} {unit}", f"above 0 {unit}")
+    return value
+
+
+def window(option: str, low: float, high: float) -> tuple[float, float]:
+    """A tension window [N], the smaller first."""
+    if not 0.0 <= low < high < float("inf"):
+        raise InputError(option, f"{low:g} {high:g}", "two tensions in N, the smaller first, not negative")
+    return float(low), float(high)
