@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable.suspension import directions, residual, stiffness
-from steeplejack.spatial.rotation import from_vector
+from steeplejack.spatial.rotation import turned
 
 Array = NDArray[np.float64]
 
@@ -162,7 +162,4 @@ def estimate(
     right[:, 0] = rows.T @ errors
     right[:, 1] = rows.T @ speeds
     solution = np.linalg.solve(normal, right)
-    turned = from_vector(solution[:3, 0].copy()) @ rotation
-    # One Newton step towards orthogonality keeps rounding from accumulating over millions of steps.
-    turned = 1.5 * turned - 0.5 * turned @ turned.T @ turned
-    return position + solution[3:, 0], turned, solution[:, 1].copy(), np.sqrt(square / 4.0)
+    return position + solution[3:, 0], turned(solution[:3, 0].copy(), rotation), solution[:, 1].copy(), np.sqrt(square / 4.0)

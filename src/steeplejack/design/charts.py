@@ -27,6 +27,7 @@ Stays = Mapping[str, tuple[float, float]]
 
 INK, STEEL, ROPE, PAPER = "#22303c", "#8795a1", "#44525e", "white"
 MOST_PANELS = 9
+MOST_NODES = 600  # along a side; finer maps are drawn thinned
 LABELS = {"tension_factor": "tension factor [1]", "margin": "margin inside the tension window [1]"}
 LEVELS = (0.2, 0.4, 0.6, 0.8)
 STYLE: dict[RcKeyType, Any] = {
@@ -153,19 +154,21 @@ def _frame(axes: Axes, anchors: Array) -> None:
 
 def _draw_map(axes: Axes, panel: _Panel, ceiling: float, large: bool) -> QuadMesh:
     """Coloured nodes, their level lines, and the edge of wrench closure where it is not theirs."""
-    values = np.ma.masked_invalid(panel.values)
-    colours = axes.pcolormesh(panel.x, panel.y, values, cmap="viridis", vmin=0.0, vmax=ceiling, zorder=2)
+    thin = slice(None, None, -(-max(panel.values.shape) // MOST_NODES))
+    x, y, closure = panel.x[thin], panel.y[thin], panel.closure[thin, thin]
+    values = np.ma.masked_invalid(panel.values[thin, thin])
+    colours = axes.pcolormesh(x, y, values, cmap="viridis", vmin=0.0, vmax=ceiling, zorder=2)
     colours.set_rasterized(True)
     if min(values.shape) < 2:
         return colours
-    edge = panel.closure & values.mask
+    edge = closure & values.mask
     if edge.any():
-        axes.contour(panel.x, panel.y, panel.closure, [0.5], colors=INK, linewidths=0.9, linestyles="dashed", zorder=3)
+        axes.contour(x, y, closure, [0.5], colors=INK, linewidths=0.9, linestyles="dashed", zorder=3)
         if large:
             axes.text(0.985, 0.02, "dashed: edge of wrench closure", transform=axes.transAxes, ha="right", fontsize=8)
     levels = [share * ceiling for share in LEVELS if values.max() > share * ceiling] if values.count() else []
     if large and levels:
-        lines = axes.contour(panel.x, panel.y, values, levels, colors=PAPER, linewidths=0.7, zorder=3)
+        lines = axes.contour(x, y, values, levels, colors=PAPER, linewidths=0.7, zorder=3)
         axes.clabel(lines, fmt="%.2g", fontsize=7)
     return colours
 

@@ -103,7 +103,9 @@ def tension_map(
     fixed, local = np.asarray(anchors, dtype=np.float64), np.asarray(attachments, dtype=np.float64)
     angles = np.atleast_1d(np.asarray(phis, dtype=np.float64))
     xs, ys = _axes(fixed, angles, step)
-    factors = np.stack([tension_factor_grid(fixed, local, phi, xs, ys) for phi in angles])
+    factors = np.empty((angles.size, ys.size, xs.size))
+    for phi, layer in zip(angles, factors, strict=True):
+        tension_factor_grid(fixed, local, phi, xs, ys, out=layer)
     if load is None:
         return _dataset(fixed, local, angles, xs, ys, step, factors, factors > 0.0, None)
     wrench = [load.mass * load.gravity[0], load.mass * load.gravity[1], 0.0]

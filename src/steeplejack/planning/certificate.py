@@ -175,8 +175,8 @@ def certify(
         own: Boundary stay of each base (4,).
 
     Returns:
-        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 5): room [N], least eigenvalue of the Hessian at
-        locked winches [N/m and N m mixed: its sign decides], gap of the cables [m], gap of the platform's centre [m], longest cable [m].
+        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 5): room [N], least pivot of the Hessian at
+        locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m], longest cable [m].
     """
     n = points.shape[0]
     rotations, tensions, quality = np.empty((n, 3, 3)), np.empty((n, 4)), np.empty((n, 5))
@@ -191,7 +191,7 @@ def certify(
             ends[i] = points[j] + rotation @ attachments[i]
         hessian = suspension.stiffness(attachments, weight, centre, rotation, u, lengths, t, stiff)
         quality[j, 0] = room
-        quality[j, 1] = np.linalg.eigvalsh(hessian)[0]
+        quality[j, 1] = suspension.least_pivot(hessian)
         quality[j, 2], quality[j, 3] = clearance.cable_gap(anchors[j], ends, axes, radii, own)
         quality[j, 4] = np.max(lengths)
         rotations[j], tensions[j] = rotation, t

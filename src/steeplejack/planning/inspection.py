@@ -210,9 +210,9 @@ def _flight(scene: Scene, stance: Stance, places: Array, number: int, kind: str,
     s, clock = np.tile(stance.s, (len(places), 1)), np.tile(stance.clock, (len(places), 1))
     waypoints = _waypoints(scene, travel, places, points, anchors, pull, s, clock)
     motion = scene.squad.motion
-    return Leg(
-        "inspect" if kind == "inspect" else "fly", number, stay, None, motion.speed, motion.acceleration, waypoints
-    )
+    if kind == "inspect":
+        return Leg("inspect", number, stay, None, motion.speed, motion.acceleration, waypoints)
+    return Leg("fly", number, None, None, motion.transit_speed, motion.acceleration, waypoints)
 
 
 def _driving(scene: Scene, drive: Drive, number: int) -> Leg:

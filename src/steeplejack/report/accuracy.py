@@ -55,17 +55,16 @@ class Accuracy:
 
 def _shift(log: Log, sample: NDArray[np.int64]) -> Array:
     states, squad = log.states, log.squad
-    gains, mass = squad.controller, squad.platform.mass + log.mission.request.payload_kg
+    mass = squad.platform.mass + log.mission.request.payload_kg
     return drift_shift(
         states.exits_actual[sample],
         states.exits_measured[sample],
         np.array(squad.platform.attachments),
         mass * np.array(log.site.gravity),
         np.array(squad.platform.centre_of_mass),
-        states.actual_position[sample],
-        states.actual_rotation[sample],
+        states.desired_position[sample],
+        states.desired_rotation[sample],
         states.actual_tension[sample],
-        np.array([gains.length_noise, gains.force_noise, gains.moment_noise]),
     )
 
 

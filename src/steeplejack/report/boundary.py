@@ -33,6 +33,19 @@ class Driven:
         pairs = ((a, b) for a in self.asked for b in self.stretches)
         return sum(max(0.0, min(a[1], b[1]) - max(a[0], b[0])) for a, b in pairs)
 
+    @property
+    def missed(self) -> tuple[Stretch, ...]:
+        """Stretches asked for and not driven over."""
+        out: list[Stretch] = []
+        for low, high in self.asked:
+            for start, end in self.stretches:
+                if low < min(start, high):
+                    out.append((low, min(start, high)))
+                low = max(low, end)
+            if low < high:
+                out.append((low, high))
+        return tuple(out)
+
 
 def observe_boundary(bay: Bay, s: Array, moving: NDArray[np.int64], low: float, high: float) -> tuple[Driven, Driven]:
     """What the bases' ring cameras saw of the boundary stays: all round, where the base drove.

@@ -1,20 +1,20 @@
 """What drifting wheel odometry alone does to the platform.
 
-The controller believes the winch exits stand where the wheels say, and flies the platform so that lengths, tensions
-and those exits agree. Where the true exits stand elsewhere by ``dA``, the same lengths and tensions put the platform
-elsewhere by ``x``. To first order the estimate of ``control.estimator`` moves by the x that minimises
+The controller believes the winch exits stand where the wheels say. In the plane of the cables it pulls until the four
+measured lengths fit the planned pose as well as three freedoms allow; out of that plane the platform hangs where the
+planned tensions balance it. With the true exits elsewhere by ``dA`` the platform comes to rest elsewhere by x:
 
-    |J x + u . dA|^2 / sigma_l^2  +  |K x - G dA|^2 / sigma_W^2
+    P^T J^T (J x + u . dA) = 0        in the plane: translation along the platform's x and y, rotation about its z
+    Q^T (K x - G dA) = 0              out of it
 
 with J the derivative of the cable lengths, u the cable directions, K the stiffness that tension gives the platform and
-``G dA = sum_i lever_i^T (1 - u_i u_i^T) dA_i t_i / l_i`` the wrench that moving the exits adds. If all four exits
-shift alike, so does the platform: x = dA.
+``G dA = sum_i lever_i^T (1 - u_i u_i^T) dA_i t_i / l_i`` the wrench that moving the exits adds; all at the planned
+pose, to first order in dA. Exits that all shift alike take the platform along: x = dA.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable.suspension import directions, stiffness
@@ -22,7 +22,6 @@ from steeplejack.mechanics.cable.suspension import directions, stiffness
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
 def drift_shift(
     actual: Array,
     measured: Array,
@@ -32,7 +31,6 @@ def drift_shift(
     position: Array,
     rotation: Array,
     tension: Array,
-    weights: Array,
 ) -> Array:
     """Shifts (n, 6) (rotation; translation) [rad; m] of a platform whose winch exits are not where they are measured.
 
@@ -42,31 +40,32 @@ def drift_shift(
         attachments: Attachments (4, 3) [m], platform frame.
         weight: Gravity force on platform and payload (3,) [N].
         centre: Centre of mass (3,) [m], platform frame.
-        position: True platform positions (n, 3) [m].
-        rotation: True orientations (n, 3, 3).
+        position: Planned positions (n, 3) [m].
+        rotation: Planned orientations (n, 3, 3); their first two columns span the plane of control.
         tension: Tensions (n, 4) [N].
-        weights: sigma of a length [m], of a force [N], of a moment [N m].
     """
-    n = position.shape[0]
-    out = np.empty((n, 6))
-    no_stretch = np.zeros(4)
-    rows, right, lever = np.empty((10, 6)), np.empty(10), np.zeros((3, 6))
+    n, none = len(position), np.zeros(4)
+    u, lengths, hessian = np.empty((n, 4, 3)), np.empty((n, 4)), np.empty((n, 6, 6))
     for j in range(n):
-        u, lengths = directions(actual[j], attachments, position[j], rotation[j])
-        rows[4:] = stiffness(attachments, weight, centre, rotation[j], u, lengths, tension[j], no_stretch)
-        right[4:] = 0.0
-        for i in range(4):
-            arm = rotation[j] @ attachments[i]
-            lever[:, :3] = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
-            lever[:, 3:] = np.eye(3)
-            moved = actual[j, i] - measured[j, i]
-            along = np.sum(u[i] * moved)
-            rows[i] = -(u[i] @ lever) / weights[0]
-            right[i] = -along / weights[0]
-            right[4:] += ((moved - along * u[i]) @ lever) * (tension[j, i] / lengths[i])
-        for k in range(6):
-            sigma = weights[2] if k < 3 else weights[1]
-            rows[4 + k] /= sigma
-            right[4 + k] /= sigma
-        out[j] = np.linalg.solve(rows.T @ rows, rows.T @ right)
-    return out
+        u[j], lengths[j] = directions(measured[j], attachments, position[j], rotation[j])
+        hessian[j] = stiffness(attachments, weight, centre, rotation[j], u[j], lengths[j], tension[j], none)
+    arms = np.einsum("nij,kj->nki", rotation, attachments)
+    moved = actual - measured
+    grow = np.sum(u * moved, axis=2)
+    force = (moved - grow[:, :, None] * u) * (tension / lengths)[:, :, None]
+    wrench = np.concatenate([np.cross(arms, force).sum(axis=1), force.sum(axis=1)], axis=1)
+    lengthen = -np.concatenate([np.cross(arms, u), u], axis=2)
+    inside, outside = _freedoms(rotation)
+    fit = inside @ lengthen.swapaxes(1, 2)
+    rows = np.concatenate([fit @ lengthen, outside @ hessian], axis=1)
+    right = np.concatenate([-fit @ grow[:, :, None], outside @ wrench[:, :, None]], axis=1)
+    return (np.linalg.pinv(rows) @ right)[:, :, 0]
+
+
+def _freedoms(rotation: Array) -> tuple[Array, Array]:
+    """Unit twists (n, 3, 6) in and out of the plane spanned by the first two columns of rotations (n, 3, 3)."""
+    inside, outside = np.zeros((2, len(rotation), 3, 6))
+    x, y, z = rotation[:, :, 0], rotation[:, :, 1], rotation[:, :, 2]
+    inside[:, 0, 3:], inside[:, 1, 3:], inside[:, 2, :3] = x, y, z
+    outside[:, 0, :3], outside[:, 1, :3], outside[:, 2, 3:] = x, y, z
+    return inside, outside

@@ -44,6 +44,7 @@ class States:
     phase: NDArray[np.str_]  # (n,) values of ``runtime.gait.Phase``
     base_moving: NDArray[np.int64]  # (n,) 1 to 4, 0 for none
     desired_position: Array  # (n, 3) [m]
+    desired_rotation: Array  # (n, 3, 3) platform to world
     actual_position: Array  # (n, 3) [m]
     actual_rotation: Array  # (n, 3, 3) platform to world
     actual_tension: Array  # (n, 4) [N]
@@ -64,6 +65,7 @@ class States:
             np.array([s.phase for s in samples]),
             np.array([s.base_moving for s in samples]),
             np.array([s.desired_position_m for s in samples]),
+            np.array([from_quaternion(np.array(s.desired_quaternion)) for s in samples]),
             np.array([s.actual_position_m for s in samples]),
             np.array([from_quaternion(np.array(s.actual_quaternion)) for s in samples]),
             np.array([s.actual_tension_n for s in samples]),

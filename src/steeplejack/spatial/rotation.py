@@ -12,15 +12,43 @@ Array = NDArray[np.float64]
 @njit(cache=True)
 def from_vector(vector: Array) -> Array:
     """Rotation matrix (3, 3) of a rotation vector (3,) [rad], by Rodrigues' formula."""
-    angle = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    x, y, z = vector
+    square = x * x + y * y + z * z
+    angle = np.sqrt(square)
     # Series below 1e-4 rad: the closed forms lose digits to cancellation, the next term is 1e-17.
     if angle < 1e-4:
-        a, b = 1.0 - angle**2 / 6.0, 0.5 - angle**2 / 24.0
+        a, b = 1.0 - square / 6.0, 0.5 - square / 24.0
     else:
-        a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / angle**2
-    x, y, z = vector
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + a * cross + b * (cross @ cross)
+        a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
+    out = np.empty((3, 3))
+    out[0, 0], out[0, 1], out[0, 2] = 1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y
+    out[1, 0], out[1, 1], out[1, 2] = b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x
+    out[2, 0], out[2, 1], out[2, 2] = b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)
+    return out
+
+
+@njit(cache=True)
+def turned(vector: Array, rotation: Array) -> Array:
+    """The rotation (3, 3) turned further by a rotation vector (3,) [rad] in the world's frame, kept orthogonal.
+
+    One Newton step towards orthogonality keeps rounding from growing over millions of turns.
+    """
+    by = from_vector(vector)
+    product, gram, out = np.zeros((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                product[i, j] += by[i, k] * rotation[k, j]
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                gram[i, j] += product[k, i] * product[k, j]
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = 1.5 * product[i, j]
+            for k in range(3):
+                out[i, j] -= 0.5 * product[i, k] * gram[k, j]
+    return out
 
 
 @njit(cache=True)

@@ -43,7 +43,9 @@ def grid_nodes(low: float, high: float, step: float) -> Array:
     return step * np.arange(math.ceil(low / step - rounding), math.floor(high / step + rounding) + 1, dtype=np.float64)
 
 
-def tension_factor_grid(anchors: ArrayLike, attachments: ArrayLike, phi: float, xs: ArrayLike, ys: ArrayLike) -> Array:
+def tension_factor_grid(
+    anchors: ArrayLike, attachments: ArrayLike, phi: float, xs: ArrayLike, ys: ArrayLike, out: Array | None = None
+) -> Array:
     """Tension factor at every node of a grid, 0 outside wrench closure (Eq. 11-12).
 
     Args:
@@ -52,6 +54,7 @@ def tension_factor_grid(anchors: ArrayLike, attachments: ArrayLike, phi: float, 
         phi: Orientation [rad].
         xs: (nx,) [m].
         ys: (ny,) [m].
+        out: Contiguous array to write to, (ny, nx) [1]; a new one if None.
 
     Returns:
         TF, (ny, nx) [1].
@@ -61,7 +64,7 @@ def tension_factor_grid(anchors: ArrayLike, attachments: ArrayLike, phi: float, 
     roots = np.asarray(anchors, dtype=np.float64) - arms
     middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
     roots[:, 0] -= middle
-    factors = np.empty((y.size, x.size))
+    factors = np.empty((y.size, x.size)) if out is None else out
     planar_tension_factors(roots, arms, x - middle, y, _flat(roots, arms, x - middle, y), factors)
     return factors
 

@@ -7,9 +7,9 @@ four tensions obey three force equations,
 
 so one parameter lambda is left (n is the null vector of the 3x4 matrix of cable directions, by cofactors), and the
 orientation follows from the moments. For given cable forces ``f_i = t_i u_i`` the potential of a rotation R is
-``-sum_i f_i . R b_i - m g . R c``; its least value over all rotations is Wahba's problem, solved by one singular value
-decomposition (Markley, J. Astronautical Sciences 36(3), 1988). The directions u_i depend weakly on R (attachment radius
-over cable length), so alternating the two converges in a few rounds.
+``-sum_i f_i . R b_i - m g . R c``; its least value over all rotations is Wahba's problem (Markley, J. Astronautical
+Sciences 36(3), 1988). The directions u_i depend weakly on R (attachment radius over cable length), so alternating the two
+converges in a few rounds.
 
 Every function takes one pose and is compiled; shapes are for m cables: anchors (m, 3) [m], attachments (m, 3) [m] in
 the platform's frame, tensions (m,) [N], weight (3,) [N] the gravity force, centre (3,) [m] the centre of mass in the
@@ -21,6 +21,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from steeplejack.spatial.rotation import turned
 
 Array = NDArray[np.float64]
 
@@ -143,31 +145,63 @@ def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, Array]:
 
 
 @njit(cache=True)
-def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: Array) -> tuple[Array, Array]:
-    """The rotation of least potential under given cable forces (Wahba), and the singular values that stiffen it.
+def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: Array, guess: Array) -> Array:
+    """The rotation of least potential under given cable forces: Wahba's problem, by Newton's method on the rotations.
+
+    With ``M = sum_i f_i b_i^T + w c^T`` and ``S = M R^T`` the moment left over is the axial vector of ``S - S^T`` and the
+    Hessian is ``tr(S) I - (S + S^T) / 2``. The potential has one minimum over the rotations, one maximum and two saddles
+    for a general M, so a minimum found is the minimum; where the Hessian is not positive the step follows the moment.
 
     Args:
         forces: Cable forces on the platform (m, 3) [N], world frame.
         attachments: Attachments (m, 3) [m], platform frame.
         weight: Gravity force (3,) [N].
         centre: Centre of mass (3,) [m], platform frame.
+        guess: Rotation to start from (3, 3).
 
     Returns:
-        Rotation (3, 3) platform to world, and signed singular values (3,) [N m]; the rotational stiffnesses about the
-        principal axes are the sums of two of them, so the equilibrium is stable when the last two add up to more
-        than 0.
+        Rotation (3, 3) platform to world.
     """
-    moment = np.zeros((3, 3))
+    moment, turn = np.zeros((3, 3)), np.zeros((3, 3))
+    size = 0.0
     for k in range(3):
         for j in range(3):
             moment[k, j] = weight[k] * centre[j]
             for i in range(forces.shape[0]):
                 moment[k, j] += forces[i, k] * attachments[i, j]
-    left, values, right = np.linalg.svd(moment)
-    sign = 1.0 if np.linalg.det(left) * np.linalg.det(right) > 0.0 else -1.0
-    left[:, 2] *= sign
-    values[2] *= sign
-    return left @ right, values
+            size += moment[k, j] ** 2
+    size = np.sqrt(size)
+    rotation = guess.copy()
+    step = np.zeros(3)
+    for _ in range(60):
+        for k in range(3):
+            for j in range(3):
+                turn[k, j] = 0.0
+                for i in range(3):
+                    turn[k, j] += moment[k, i] * rotation[j, i]
+        trace = turn[0, 0] + turn[1, 1] + turn[2, 2]
+        left = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        hessian = np.empty((3, 3))
+        for k in range(3):
+            for j in range(3):
+                hessian[k, j] = -0.5 * (turn[k, j] + turn[j, k])
+            hessian[k, k] += trace
+        whole = _determinant(hessian[0], hessian[1], hessian[2])
+        minor = hessian[0, 0] * hessian[1, 1] - hessian[0, 1] * hessian[1, 0]
+        if hessian[0, 0] > 0.0 and minor > 0.0 and whole > 1e-9 * size**3:
+            step[0] = _determinant(left, hessian[1], hessian[2]) / whole
+            step[1] = _determinant(hessian[0], left, hessian[2]) / whole
+            step[2] = _determinant(hessian[0], hessian[1], left) / whole
+        else:
+            for k in range(3):
+                step[k] = left[k] / size
+        angle = np.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
+        if angle > 1.0:
+            step /= angle
+        rotation = turned(step, rotation)
+        if angle < 1e-13:
+            break
+    return rotation
 
 
 @njit(cache=True)
@@ -227,9 +261,9 @@ def hang(
         for i in range(4):
             for k in range(3):
                 forces[i, k] = tensions[i] * u[i, k]
-        turned, _values = balanced_rotation(forces, attachments, weight, centre)
-        change = np.max(np.abs(turned - rotation))
-        rotation = turned
+        before = rotation
+        rotation = balanced_rotation(forces, attachments, weight, centre, before)
+        change = np.max(np.abs(rotation - before))
         if change < 1e-12:
             break
     return rotation, tensions, room
@@ -341,3 +375,20 @@ def stiffness(
                         total += lever[p, j] * across[p, q] * lever[q, k]
                 out[j, k] += total
     return out
+
+
+@njit(cache=True)
+def least_pivot(matrix: Array) -> float:
+    """Least pivot of L D L^T of a symmetric matrix (n, n): above 0 exactly where it is positive definite."""
+    n = matrix.shape[0]
+    work = matrix.copy()
+    least = np.inf
+    for k in range(n):
+        least = min(least, work[k, k])
+        if work[k, k] <= 0.0:
+            return work[k, k]
+        for i in range(k + 1, n):
+            factor = work[i, k] / work[k, k]
+            for j in range(k + 1, n):
+                work[i, j] -= factor * work[k, j]
+    return least

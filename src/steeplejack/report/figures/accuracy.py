@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from steeplejack.report.accuracy import AXES, Accuracy
+from steeplejack.report.analysis import Spread
 from steeplejack.report.figures.style import (
     BLUE,
     INK,
@@ -23,6 +24,7 @@ from steeplejack.report.figures.style import (
     thin,
 )
 from steeplejack.report.log import Log
+from steeplejack.report.notation import spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,15 +42,18 @@ def path_figure(log: Log) -> str:
         axes = figure.add_subplot()
         for k in log.bay.interior:
             s = np.linspace(max(0.0, log.mission.request.from_m - 2.0), log.mission.request.to_m + 2.0, 30)
-            axes.plot(*_unrolled(log, log.bay.stays[k].position(s)), color=STEEL, lw=5.0, alpha=0.35)
-        for positions, colour, width, style in (
-            (states.desired_position, ORANGE, 2.6, "-"),
-            (states.actual_position, BLUE, 0.9, "-"),
+            along, across = _unrolled(log, log.bay.stays[k].position(s))
+            axes.plot(along, across, color=STEEL, lw=5.0, alpha=0.35)
+            axes.text(along[-1], across[-1], f"  {log.bay.stays[k].id}", fontsize=8.0, color=MUTED, va="center")
+        for positions, colour, width in (
+            (states.desired_position, ORANGE, 2.6),
+            (states.actual_position, BLUE, 0.9),
         ):
             for first, last in spells(flown):
                 step = max(1, (last - first) // 1500)
-                axes.plot(*_unrolled(log, positions[first : last + 1 : step]), color=colour, lw=width, ls=style)
+                axes.plot(*_unrolled(log, positions[first : last + 1 : step]), color=colour, lw=width)
         axes.set_aspect("equal")
+        axes.margins(x=0.08)
         axes.set_xlabel(f"along the stays [m], from the lower anchorage of {stay.id}")
         axes.set_ylabel("across [m]")
         handles = [
@@ -76,6 +81,8 @@ def accuracy_figure(log: Log, accuracy: Accuracy) -> str:
         for i, name in enumerate(AXES):
             _strip(grid[i, 0], accuracy, errors[:, i], name)
             _histogram(grid[i, 1], errors[:, i], name)
+        most = max(bar.get_width() for axes in grid[:, 1] for bar in axes.patches)
+        grid[2, 1].set_xlim(0.0, 1.4 * most)
         grid[2, 0].set_xlabel("distance inspected [m]")
         grid[2, 1].set_xlabel("share of samples [%]")
         _name_stays(grid[0, 0], log, accuracy)
@@ -88,8 +95,11 @@ def _strip(axes: Axes, accuracy: Accuracy, error: Array, name: str) -> None:
     axes.axhline(mean, color=INK, lw=0.8)
     axes.plot(*thin(accuracy.travel, error), color=BLUE, lw=0.6)
     axes.set_ylabel(f"{name} [mm]")
-    axes.text(0.995, 0.97, f"{mean:+.1f} ± {std:.1f} mm", transform=axes.transAxes, ha="right", va="top", weight="bold")
-    reach = 1.15 * max(1.0, float(np.max(np.abs(error))), mean + 2.0 * std)
+    axes.text(
+        0.995, 0.97, spread(Spread(mean, std)) + " mm", transform=axes.transAxes, ha="right", va="top", weight="bold"
+    )
+    paper_mean, paper_std = PAPER.get(name, (0.0, 0.0))
+    reach = 1.15 * max(1.0, float(np.max(np.abs(error))), abs(paper_mean) + paper_std)
     axes.set_ylim(-reach, reach)
 
 
@@ -104,8 +114,6 @@ def _histogram(axes: Axes, error: Array, name: str) -> None:
         color=BLUE,
         alpha=0.55,
     )
-    _left, right = axes.get_xlim()
-    axes.set_xlim(0.0, 1.4 * right)
     _whisker(axes, 0.84, float(error.mean()), float(error.std()), BLUE)
     if name in PAPER:
         _whisker(axes, 0.94, *PAPER[name], VERMILION)

@@ -51,19 +51,13 @@ def _map(axes: Axes, stay: Seen) -> None:
         interpolation="none",
         extent=(float(stay.edges[0]), float(stay.edges[-1]), 12.0 + half, -half),
     )
-    reach = stay.facing[:, None] + math.radians(1.0) * np.array([-1.0, 1.0]) * math.degrees(_half(stay))
-    for edge in reach.T:
+    for edge in (stay.facing - stay.half_sector, stay.facing + stay.half_sector):
         axes.plot(stay.stations, _hours(edge), color=INK, lw=0.9, ls=(0, (4, 2)))
     axes.set_ylim(12.0, 0.0)
     axes.set_yticks(HOURS, ["12", "3", "6", "9", "12"])
     axes.grid(False)
     share = stay.covered_length / stay.asked_length if stay.asked_length > 0.0 else 0.0
     axes.set_title(f"{stay.stay}: {stay.covered_length:.1f} of {stay.asked_length:.1f} m ({100.0 * share:.1f} %)")
-
-
-def _half(stay: Seen) -> float:
-    """Half the width of the sector the samples stand for [rad]: to half a row beyond the outermost."""
-    return 0.5 * float(np.median(stay.faced.sum(axis=1))) * 2.0 * math.pi / len(stay.clock)
 
 
 def _hours(angle: Array) -> Array:

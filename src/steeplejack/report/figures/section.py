@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 NEAR = 1.0  # [m] along the stays from the section, within which poses are drawn in it
 ROOM = 0.35  # [m] drawn beyond the camera's range
+POSES = 400  # drawn in one section
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,24 @@ class _Plane:
 def section_figure(log: Log, analysis: Analysis) -> str:
     """The whole bay halfway through the first stance, and below it the flights along each interior stay close by."""
     interior = log.bay.interior
-    with canvas(4.4) as figure:
-        whole, close = figure.subfigures(2, 1, height_ratios=(1.0, 2.3))
+    with canvas(4.2) as figure:
+        whole, close = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 2.3))[:, 0]
         _whole(whole.subplots(), log, analysis)
         row = close.subplots(1, len(interior), squeeze=False, sharex=True, sharey=True)[0]
-        for axes, k in zip(row, interior, strict=True):
+        order = interior if _runs_right(log) else interior[::-1]
+        for axes, k in zip(row, order, strict=True):
             _close(axes, log, analysis, k)
         row[0].set_ylabel("off the stay [m]")
-        close.supxlabel("across the stay [m], looking up it", fontsize=8.5)
+        row[len(row) // 2].set_xlabel("across the stay [m], looking up it")
         return svg(figure, "section")
+
+
+def _runs_right(log: Log) -> bool:
+    """Whether the stays of the bay follow each other from left to right when looking up them."""
+    middle = len(log.bay.stays) // 2
+    s = 0.5 * log.bay.reach
+    plane = _Plane.at(log, middle, s)
+    return bool(plane.project(log.bay.stays[-1].position(s))[0] > plane.project(log.bay.stays[0].position(s))[0])
 
 
 def _whole(axes: Axes, log: Log, analysis: Analysis) -> None:
@@ -76,16 +86,14 @@ def _whole(axes: Axes, log: Log, analysis: Analysis) -> None:
     for i, exit_ in enumerate(plane.project(states.exits_actual[sample])):
         axes.plot([exit_[0], platform[0]], [exit_[1], platform[1]], color=CABLES[i], lw=0.7, zorder=2)
     near = np.flatnonzero((np.abs(along - along[sample]) <= NEAR) & ~states.stopped)
-    path = plane.project(states.actual_position[near[:: max(1, len(near) // 900)]])
+    path = plane.project(states.actual_position[near[:: max(1, len(near) // POSES)]])
     axes.plot(*path.T, ".", color=BLUE, ms=2.0, zorder=3)
     _body(axes, log, plane, sample)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.04, 0.5)
-    side = "under" if plane.face < 0.0 else "upper"
+    title = f"bay {along[sample]:.1f} m up {middle_stay(log).id}, {log.mission.request.face} face"
     axes.set_title(
-        f"whole bay, {along[sample]:.1f} m up {middle_stay(log).id}: {side} face, poses within {NEAR:.0f} m, cables at one pose",
-        weight="normal",
-        color=MUTED,
+        f"{title}: poses within {NEAR:.0f} m of here, the cables at one of them", weight="normal", color=MUTED
     )
     axes.set_ylabel("[m]")
 
@@ -117,22 +125,23 @@ def _close(axes: Axes, log: Log, analysis: Analysis, k: int) -> None:
     axes.set(aspect="equal", xlim=(-reach, reach))
     low, high = (-reach, 0.4) if plane.face < 0.0 else (-0.4, reach)
     axes.set_ylim(low, high)
-    span = f"{accuracy.stand_off[here].min():.2f}-{accuracy.stand_off[here].max():.2f} m" if here.any() else "not flown"
+    span = f"{accuracy.stand_off[here].min():.2f}–{accuracy.stand_off[here].max():.2f} m" if here.any() else "not flown"
     axes.set_title(f"{stay.id}: {span}")
 
 
 def _passes(axes: Axes, log: Log, analysis: Analysis, k: int, here: NDArray[np.bool_]) -> None:
-    """Every pose along stay ``k``, each seen in the section through itself."""
-    accuracy = analysis.accuracy
-    step = max(1, int(here.sum()) // 900)
-    points = [
-        _Plane.at(log, k, s).project(position)
-        for s, position in zip(
-            accuracy.s[here][::step], log.states.actual_position[accuracy.sample[here][::step]], strict=True
-        )
-    ]
-    if points:
-        axes.plot(*np.array(points).T, ".", color=BLUE, ms=2.0, zorder=5)
+    """Poses along stay ``k``, each seen in the section through itself."""
+    accuracy, stay = analysis.accuracy, log.bay.stays[k]
+    thinned = np.flatnonzero(here)[:: max(1, int(here.sum()) // POSES)]
+    if not len(thinned):
+        return
+    s, position = accuracy.s[thinned], log.states.actual_position[accuracy.sample[thinned]]
+    tangent, normal = stay.tangent(s), log.bay.normal(np.full(len(s), float(k)), s)
+    up = np.sign(normal[:, 2:]) * (normal - np.sum(normal * tangent, axis=1, keepdims=True) * tangent)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    offset = position - stay.position(s)
+    across = np.sum(offset * np.cross(tangent, up), axis=1)
+    axes.plot(across, np.sum(offset * up, axis=1), ".", color=BLUE, ms=2.5, zorder=5)
 
 
 def _body(axes: Axes, log: Log, plane: _Plane, sample: int) -> None:

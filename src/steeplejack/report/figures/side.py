@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,7 +35,7 @@ NAMES = {"inspect": "inspecting", "fly": "flying between stays", "brace": "shift
 
 def side_figure(log: Log) -> str:
     """All stays of the bay in the plane of the fan, the executed path by kind of leg, base places by stance."""
-    plane = _plane(log)
+    plane = _Plane.of(log)
     with canvas(5.6) as figure:
         axes = figure.add_subplot()
         _stays(axes, log, plane, names=True)
@@ -47,19 +48,31 @@ def side_figure(log: Log) -> str:
         return svg(figure, "side")
 
 
-def _plane(log: Log) -> Array:
-    """Directions (2, 3) level and up in the plane of the bay; the stays rise towards +level."""
-    bay = log.bay
-    middle = 0.5 * (len(bay.stays) - 1)
-    normal = bay.normal(middle, 0.5 * bay.reach)
-    along = bay.axis(middle, bay.reach) - bay.axis(middle, 0.0)
-    level = np.cross(normal, [0.0, 0.0, 1.0])
-    level *= np.sign(level @ along) / np.linalg.norm(level)
-    up = np.cross(normal, level)
-    return np.stack([level, np.sign(up[2]) * up])
+@dataclass(frozen=True)
+class _Plane:
+    """The plane of the bay: level, in the sense in which the stays rise, and up."""
+
+    origin: Array  # (3,) [m] lower anchorage of the boundary stay that starts first
+    axes: Array  # (2, 3)
+
+    @classmethod
+    def of(cls, log: Log) -> _Plane:
+        bay = log.bay
+        middle = 0.5 * (len(bay.stays) - 1)
+        normal = bay.normal(middle, 0.5 * bay.reach)
+        along = bay.axis(middle, bay.reach) - bay.axis(middle, 0.0)
+        level = np.cross(normal, [0.0, 0.0, 1.0])
+        level *= np.sign(level @ along) / np.linalg.norm(level)
+        up = np.cross(normal, level)
+        ends = np.array([bay.stays[0].position(0.0), bay.stays[-1].position(0.0)])
+        return cls(ends[np.argmin(ends @ level)], np.stack([level, np.sign(up[2]) * up]))
+
+    def project(self, points: Array) -> Array:
+        """Points (..., 3) [m] as level and up (..., 2) [m]."""
+        return (points - self.origin) @ self.axes.T
 
 
-def _stays(axes: Axes, log: Log, plane: Array, names: bool) -> None:
+def _stays(axes: Axes, log: Log, plane: _Plane, names: bool) -> None:
     request = log.mission.request
     for k, stay in enumerate(log.bay.stays):
         inside = k in log.bay.interior
@@ -74,10 +87,10 @@ def _stays(axes: Axes, log: Log, plane: Array, names: bool) -> None:
             _name(axes, log, plane, stay)
 
 
-def _name(axes: Axes, log: Log, plane: Array, stay: Stay) -> None:
+def _name(axes: Axes, log: Log, plane: _Plane, stay: Stay) -> None:
     """The stay's id where it enters the drawing from below."""
     low, _high = _reach(log)
-    x, y = plane @ stay.position(max(0.0, low - 3.0))
+    x, y = plane.project(stay.position(max(0.0, low - 3.0)))
     axes.text(x + 1.0, y - 0.5, stay.id, fontsize=8.0, color=MUTED, ha="left", va="center", clip_on=True)
 
 
@@ -87,13 +100,13 @@ def _reach(log: Log) -> tuple[float, float]:
     return min(request.from_m, float(s.min())), max(request.to_m, float(s.max()))
 
 
-def _line(stay: Stay, plane: Array, low: float, high: float) -> Array:
-    return plane @ stay.position(np.linspace(low, high, 40)).T
+def _line(stay: Stay, plane: _Plane, low: float, high: float) -> Array:
+    return plane.project(stay.position(np.linspace(low, high, 40))).T
 
 
-def _path(axes: Axes, log: Log, plane: Array) -> None:
+def _path(axes: Axes, log: Log, plane: _Plane) -> None:
     states = log.states
-    place = plane @ states.actual_position.T
+    place = plane.project(states.actual_position).T
     for leg in np.unique(states.leg):
         kind = log.mission.legs[leg].kind
         if kind != "drive":
@@ -105,7 +118,7 @@ def _path(axes: Axes, log: Log, plane: Array) -> None:
         axes.plot(*place[:, (first + last) // 2], "D", color=VERMILION, ms=3.5, mec="white", mew=0.5, zorder=6)
 
 
-def _bases(axes: Axes, log: Log, plane: Array) -> None:
+def _bases(axes: Axes, log: Log, plane: _Plane) -> None:
     """Where the bases stood while each stance inspected, and the four cables halfway through it."""
     states, legs = log.states, log.mission.legs
     inspecting = np.array([legs[leg].kind == "inspect" for leg in states.leg])
@@ -113,27 +126,27 @@ def _bases(axes: Axes, log: Log, plane: Array) -> None:
     for number, value in enumerate(np.unique(stance[inspecting]), start=1):
         samples = np.flatnonzero(inspecting & (stance == value))
         sample = samples[len(samples) // 2]
-        platform = plane @ states.actual_position[sample]
+        platform = plane.project(states.actual_position[sample])
         for i in range(4):
-            x, y = plane @ states.exits_actual[sample, i]
+            x, y = plane.project(states.exits_actual[sample, i])
             axes.plot([x, platform[0]], [y, platform[1]], color=CABLES[i], lw=0.6, alpha=0.55, zorder=4)
             axes.plot(x, y, "o", ms=11.0, color=CABLES[i], mec="white", mew=0.8, zorder=7)
             axes.text(x, y, str(number), color="white", fontsize=7.5, weight="bold", ha="center", va="center", zorder=8)
 
 
-def _frame(axes: Axes, log: Log, plane: Array) -> None:
+def _frame(axes: Axes, log: Log, plane: _Plane) -> None:
     """Equal scales around the part of the bay the run took place in."""
     low, high = _reach(log)
     corners = np.concatenate(
-        [plane @ stay.position([max(0.0, low - 4.0), min(high, stay.length)]).T for stay in log.bay.stays], 1
+        [plane.project(stay.position([max(0.0, low - 4.0), min(high, stay.length)])) for stay in log.bay.stays]
     )
-    (left, bottom), (right, top) = corners.min(axis=1) - 2.0, corners.max(axis=1) + 2.0
+    (left, bottom), (right, top) = corners.min(axis=0) - 2.0, corners.max(axis=0) + 2.0
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    axes.set_xlabel("level, in the plane of the fan [m]")
-    axes.set_ylabel("up, in the plane of the fan [m]")
+    axes.set_xlabel("level in the plane of the fan [m], from the first lower anchorage")
+    axes.set_ylabel("up the plane of the fan [m]")
 
 
-def _overview(inset: Axes, axes: Axes, log: Log, plane: Array) -> None:
+def _overview(inset: Axes, axes: Axes, log: Log, plane: _Plane) -> None:
     _stays(inset, log, plane, names=False)
     for line in inset.lines:
         line.set_linewidth(min(1.6, 0.4 * float(line.get_linewidth())))

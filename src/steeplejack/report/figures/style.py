@@ -94,10 +94,9 @@ def spells(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def bare(axes: Axes) -> None:
-    """Take ticks, grid and frame off."""
+    """Take ticks, grid and frame off; other axes that share this one's scale keep theirs."""
     axes.grid(False)
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.tick_params(bottom=False, labelbottom=False, left=False, labelleft=False)
     for spine in axes.spines.values():
         spine.set_visible(False)
 

@@ -118,6 +118,7 @@ class Motion(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
     speed: Positive
     acceleration: Positive
+    transit_speed: Positive
     drive_speed: Positive
 
 

@@ -1,0 +1,31 @@
+"""How a report writes figures: real minus signs, a dash where there is no figure."""
+
+from __future__ import annotations
+
+import math
+
+from steeplejack.report.analysis import Spread
+
+
+def number(value: float, digits: int = 1) -> str:
+    """A figure with a real minus sign, a dash where there is none."""
+    return "–" if not math.isfinite(value) else f"{value:.{digits}f}".replace("-", "−")
+
+
+def spread(values: Spread) -> str:
+    """Mean and standard deviation in one."""
+    if not math.isfinite(values.mean):
+        return "–"
+    return f"{values.mean:+.1f} ± {values.std:.1f}".replace("-", "−")
+
+
+def minutes(seconds: float) -> str:
+    """A duration as minutes and seconds."""
+    whole = round(seconds)
+    return f"{whole // 60} min {whole % 60:02d} s"
+
+
+def clock(seconds: float) -> str:
+    """A time of the run as minutes, seconds and tenths."""
+    tenths = round(10.0 * seconds)
+    return f"{tenths // 600}:{tenths % 600 / 10.0:04.1f}"

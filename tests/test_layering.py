@@ -1,0 +1,82 @@
+"""Imports point one way: the table of rooms, as data, against every import in the package."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "src" / "steeplejack"
+
+# A room may import what stands before it. Rooms of one tier do not import each other, but for what EXTRA allows.
+TIERS = [
+    {"errors", "spatial"},
+    {"mechanics"},
+    {"worksite"},
+    {"robots"},
+    {"design", "planning", "control", "safety"},
+    {"runtime"},
+    {"simulation", "link", "report"},
+    {"console"},
+    {"cli"},
+]
+EXTRA = {("planning", "design"), ("spatial", "errors")}
+LIBRARIES = {
+    "mujoco": {"simulation"},
+    "matplotlib": {"report", "design/charts.py"},
+    "nicegui": {"console"},
+    "socket": {"link"},
+    "cryptography": {"link"},
+}
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+
+def room(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path) -> list[str]:
+    found = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            found.append(node.module or "")
+            found += [f"{node.module}.{alias.name}" for alias in node.names]
+    return found
+
+
+def tier(name: str) -> int:
+    return next(i for i, rooms in enumerate(TIERS) if name in rooms)
+
+
+def allowed(source: str, target: str) -> bool:
+    return source == target or (source, target) in EXTRA or tier(target) < tier(source)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_point_one_way(path: Path) -> None:
+    source = room(path)
+    for name in imports(path):
+        parts = name.split(".")
+        if parts[0] == "steeplejack" and len(parts) > 1 and (PACKAGE / parts[1]).exists() | (
+            PACKAGE / f"{parts[1]}.py"
+        ).exists():
+            assert allowed(source, parts[1]), f"{source} may not import {parts[1]}"
+        if parts[0] == "steeplejack" and parts[1:2] == ["robots"] and source == "robots":
+            here = path.relative_to(PACKAGE).parts[1]
+            assert parts[2:3] in ([], [here]), "one robot may not import another"
+        if parts[0] in LIBRARIES:
+            place = path.relative_to(PACKAGE).as_posix()
+            assert source in LIBRARIES[parts[0]] or place in LIBRARIES[parts[0]], f"{place} may not import {parts[0]}"
+
+
+def test_every_room_is_in_the_table() -> None:
+    rooms = {room(path) for path in FILES} - {"__init__"}
+    assert rooms <= set().union(*TIERS)
+
+
+def test_the_checker_sees_a_wrong_arrow() -> None:
+    assert not allowed("mechanics", "robots")
+    assert not allowed("control", "planning")
+    assert allowed("planning", "design")
