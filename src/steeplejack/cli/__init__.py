@@ -52,7 +52,7 @@ def main() -> None:
         text = getattr(error, "format_message", None)
         if text is None:
             raise
-        _fail(f"{text()}; see --help", BAD_INPUT)  # usage errors of the option parser
+        _fail(f"{text() or 'no command given'}; see --help", BAD_INPUT)  # usage errors of the option parser
     sys.exit(code if isinstance(code, int) else 0)
 
 

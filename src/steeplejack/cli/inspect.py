@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 import typer
 
-from steeplejack.cli.terminal import Ended, Json, Out, Robot, Worksite, bar, emit, say, window
+from steeplejack.cli.terminal import Ended, Json, Out, Robot, Worksite, bar, emit, mass, say, target, window
 from steeplejack.cli.terminal import bridge as load_bridge
 from steeplejack.errors import InputError
 from steeplejack.planning import Request, Rules, Scene, choose_bay, choose_stretch, plan, verdicts, write
@@ -19,7 +19,7 @@ from steeplejack.robots.squad import BUILT_IN, Bay, load_squad
 
 def _pair(text: str, option: str) -> tuple[int, int]:
     first, colon, last = text.partition(":")
-    if not (colon and first.isdigit() and last.isdigit() and int(first) < int(last)):
+    if not (colon and first.isdecimal() and last.isdecimal() and int(first) < int(last)):
         raise InputError(option, text, "FIRST:LAST, two stay numbers such as 5:9")
     return int(first), int(last)
 
@@ -51,8 +51,8 @@ def inspect(
 
     bridge, squad = load_bridge(worksite), load_squad(robot)
     low, high = window("--tension-n", *tension_n)
-    if payload_kg < 0.0:
-        raise InputError("--payload-kg", f"{payload_kg:g}", "0 or more")
+    mass("--payload-kg", payload_kg)
+    target(out)
     asked = None if stays is None else _pair(stays, "--stays")
     chosen, bounds, assumed = choose_bay(bridge, squad, fan, asked, accept_unknown)
     bay = Bay.of(chosen, *bounds, face, squad)
@@ -131,10 +131,12 @@ def report(
     log: Annotated[Path, typer.Argument(help="A run's MCAP log.")], out: Out = Path("out"), json: Json = False
 ) -> None:
     """Write the report again, from the log alone."""
-    from steeplejack.report import write_report
+    from steeplejack.report import read_log, write_report
 
     if not log.is_file():
         raise InputError(str(log), "no such file", "a log written by `steeplejack inspect`")
+    target(out)
+    read_log(log)  # before anything is written
     out.mkdir(parents=True, exist_ok=True)
     path = out / "report.html"
     summary = msgspec.to_builtins(write_report(log, path))

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import typer
 
-from steeplejack.cli.terminal import INFEASIBLE, Json, Robot, Worksite, emit, planar, positive, say, window
+from steeplejack.cli.terminal import INFEASIBLE, Json, Robot, Worksite, emit, mass, planar, positive, say, target, window
 from steeplejack.errors import InputError
 from steeplejack.robots.squad import BUILT_IN, load_squad
 
@@ -75,6 +75,8 @@ def tension_map(
         stays = stay_directions(points, site.stays) if slip_n is not None else None
         limit = np.inf if slip_n is None else positive("--slip-n", slip_n, "N")
         load = Load(mass_kg, window("--tension-n", *tension_n), (site.gravity[0], site.gravity[1]), stays, limit)
+    if out is not None:
+        target(out)
     began = time.perf_counter()
     dataset = compute(points, planar_attachments(squad), _angles(phi_deg), step_m, load)
     summary = summarise(dataset)
@@ -146,9 +148,10 @@ def tensions(
 
     site, squad = planar(worksite), load_squad(robot)
     low, high = window("--tension-n", *tension_n)
-    if mass_kg < 0.0:
-        raise InputError("--mass-kg", f"{mass_kg:g}", "0 or more")
+    mass("--mass-kg", mass_kg)
     x, y, degrees = pose
+    if not all(map(math.isfinite, pose)):
+        raise InputError("--pose", f"{x:g} {y:g} {degrees:g}", "X and Y in metres and PHI in degrees, all finite")
     held = PlanarSquad.of(squad, site.anchors).tensions(
         (x, y, math.radians(degrees)), mass_kg, (low, high), site.gravity, method
     )

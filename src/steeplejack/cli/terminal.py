@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -76,6 +77,22 @@ def positive(option: str, value: float, unit: str) -> float:
     if not value > 0.0:
         raise InputError(option, f"{value:g} {unit}", f"above 0 {unit}")
     return value
+
+
+def mass(option: str, value: float) -> float:
+    """A mass [kg]: a finite number, not negative."""
+    if not 0.0 <= value < float("inf"):
+        raise InputError(option, f"{value:g} kg", "a finite mass, 0 or more")
+    return value
+
+
+def target(folder: Path) -> None:
+    """Refuse an output folder that is, or lies below, a file or that cannot be written to; creates nothing."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise InputError("--out", f"{there} is a file", "a folder, made where it does not exist yet")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError("--out", f"{there} cannot be written to", "a folder you may write to")
 
 
 def window(option: str, low: float, high: float) -> tuple[float, float]:

@@ -35,7 +35,7 @@ def check(stay: Stay, squad: Squad) -> Verdict:
     if stay.diameter is None:
         unknown.append("diameter")
     elif not low <= stay.diameter <= high:
-        reasons.append(f"diameter {1e3 * stay.diameter:.0f} mm outside {1e3 * low:.0f}-{1e3 * high:.0f} mm")
+        reasons.append(f"diameter {1e3 * stay.diameter:.4g} mm outside {1e3 * low:.0f}-{1e3 * high:.0f} mm")
     if stay.inclination > base.max_inclination:
         limit = math.degrees(base.max_inclination)
         reasons.append(f"inclination {math.degrees(stay.inclination):.1f} deg above {limit:.0f} deg")

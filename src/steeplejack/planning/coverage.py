@@ -147,7 +147,16 @@ def _observe_stay(
     facing = _facing(bay, k, s)
     away = np.abs((clock - facing[:, None] + math.pi) % (2.0 * math.pi) - math.pi)
     half = np.maximum(camera.faced_half_sector, away.min(axis=1, keepdims=True))
-    return Seen(stay.id, edges, clock, seen, away <= half + 1e-9, facing, camera.faced_half_sector, stay.free_intervals(low, high))
+    return Seen(
+        stay.id,
+        edges,
+        clock,
+        seen,
+        away <= half + 1e-9,
+        facing,
+        camera.faced_half_sector,
+        stay.free_intervals(low, high),
+    )
 
 
 def _outward(stay: Stay, s: Array, clock: Array) -> Array:

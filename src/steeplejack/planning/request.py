@@ -10,7 +10,7 @@ from steeplejack.planning.compatibility import Verdict, check
 from steeplejack.planning.inspection import held_fraction
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
-from steeplejack.worksite import Bridge, Fan
+from steeplejack.worksite import Bridge, Fan, Stay
 
 USUAL = (5, 9)  # the bay tried first
 ABOUT = 100.0  # [m] of interior stay inspected when nothing is asked for
@@ -36,9 +36,9 @@ def choose_bay(
     lacking: list[Verdict] = []
     for each in fans:
         for first, last in [stays] if stays else _bays(each):
-            if last - first < 2:
-                raise InputError("--stays", f"{first}:{last} has no interior stay", "boundary stays at least two apart")
             found = [check(stay, squad) for stay in each.between(first, last)]
+            if len(found) < 3:
+                raise InputError("--stays", f"{first}:{last} has no interior stay", "boundary stays at least two apart")
             bad = [verdict for verdict in found if verdict.fits is False]
             open_ = [verdict for verdict in found if verdict.fits is None]
             refusals += bad
@@ -47,11 +47,7 @@ def choose_bay(
             if open_ and not accept_unknown:
                 lacking += open_
                 continue
-            names = sorted({name for verdict in open_ for name in verdict.unknown})
-            shape = sorted({name for stay in each.between(first, last) for name in stay.unknown} - {"diameter"})
-            assumed = [f"{name}: the machine's largest, {1e3 * squad.base.stay_diameter[1]:.0f} mm" for name in names]
-            assumed += [f"{name}: unknown, so the stays are taken as straight chords" for name in shape]
-            return each, (first, last), tuple(assumed)
+            return each, (first, last), _assumed(each.between(first, last), open_, squad)
     if lacking:
         verdict = lacking[0]
         raise InputError(
@@ -59,6 +55,16 @@ def choose_bay(
         )
     why = f"stay {refusals[0].stay}: {refusals[0].reasons[0]}" if refusals else "no fan has three stays in a row"
     raise InfeasibleError(f"no bay of {bridge.name} fits {squad.name}", why)
+
+
+def _assumed(stays: tuple[Stay, ...], open_: list[Verdict], squad: Squad) -> tuple[str, ...]:
+    """In words, what takes the place of the data these stays lack."""
+    lacking = sorted({name for verdict in open_ for name in verdict.unknown})
+    shape = sorted({name for stay in stays for name in stay.unknown} - {"diameter"})
+    largest = f"the machine's largest, {1e3 * squad.base.stay_diameter[1]:.0f} mm"
+    high = "unknown, so no base passes it"
+    words = [f"{name}: {largest if name == 'diameter' else high}" for name in lacking]
+    return (*words, *(f"{name}: unknown, so the stays are taken as straight chords" for name in shape))
 
 
 def _bays(fan: Fan) -> list[tuple[int, int]]:

@@ -13,6 +13,8 @@ from steeplejack.robots.squad.bay import Bay
 Array = NDArray[np.float64]
 Stretch = tuple[float, float]  # from, to [m] along a stay
 
+MOVED = 0.01  # [m] below which a base with open palms has not set off
+
 
 @dataclass(frozen=True)
 class Driven:
@@ -69,10 +71,10 @@ def observe_boundary(bay: Bay, s: Array, moving: NDArray[np.int64], low: float, 
 
 
 def _drives(s: Array, moving: NDArray[np.bool_]) -> list[Stretch]:
-    """Stretches covered by one base, one for each spell of driving."""
+    """Stretches covered by one base, one for each spell of open palms in which it moved."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(np.int8)))
     spells = (s[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True))
-    return [(float(spell.min()), float(spell.max())) for spell in spells]
+    return [(float(spell.min()), float(spell.max())) for spell in spells if np.ptp(spell) >= MOVED]
 
 
 def _union(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:

@@ -145,8 +145,8 @@ def _tracking(log: Log, analysis: Analysis) -> Markup:
     if not len(accuracy.sample):
         return section("Accuracy", element("p", "The run ended before anything was inspected."), path)
     caption = (
-        "Relative errors over the distance inspected and how they are spread, in the form of Fig. 19 of the paper. Band "
-        "and whiskers are one standard deviation about the mean."
+        "Relative errors over the distance inspected and how they are spread, in the form of Fig. 19 of the paper. "
+        "Band and whiskers are one standard deviation about the mean."
     )
     errors = figure(Markup(figures.accuracy_figure(log, accuracy)), "Errors relative to the true anchors", caption)
     return tracking_section(log, accuracy, path, errors)

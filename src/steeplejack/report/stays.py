@@ -52,7 +52,7 @@ def _interior(log: Log, analysis: Analysis, stay: Seen) -> tuple[object, ...]:
     span = f"{number(off.min(), 2)}–{number(off.max(), 2)} m" if len(off) else "–"
     gaps = [gap for gap in analysis.summary.not_covered if gap.stay == stay.stay]
     return (
-        join((badge(word, kind), element("p", f"sector {clock_sector(stay)}"))),
+        join((badge(word, kind), element("p", f"sector {clock_sector(stay)}", cls="id"))),
         f"{number(stay.covered_length)} of {number(stay.asked_length)} m",
         f"{number(100.0 * float(np.mean(stay.around)))} %",
         span,
@@ -62,7 +62,7 @@ def _interior(log: Log, analysis: Analysis, stay: Seen) -> tuple[object, ...]:
 
 def _boundary(stay: Driven) -> tuple[object, ...]:
     seen, asked = stay.seen_length, stay.asked_length
-    word = "seen by the bases" if seen >= GOAL * asked else "partly seen" if seen > 0.0 else "not covered"
+    word = "seen by the bases" if seen >= GOAL * asked else "partly seen" if seen > 0.0 else "not seen"
     note = "out of the platform's reach; seen only where a base's ring camera drove past"
     missed = [(low, high) for low, high in stay.missed if high - low >= WORTH_TELLING]
     gaps = [f"{number(low)}–{number(high)} m: no base drove there" for low, high in missed]

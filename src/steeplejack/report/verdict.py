@@ -66,7 +66,7 @@ def tiles(log: Log, analysis: Analysis) -> Markup:
             "stances",
             str(summary.stances),
             "",
-            f"{summary.moves} squad move{'s' if summary.moves != 1 else ''} between them",
+            f"{summary.moves} squad move{'s' if summary.moves != 1 else ''} finished",
         ),
         (
             "largest cable tension",

@@ -97,7 +97,7 @@ def judge(
                 return Outcome.REACHED
             return Outcome.TIMEOUT if elapsed > close_time + PATIENCE else None
         case Phase.VERIFY:
-            if palm < HELD or abs(s - progress.mark) > STILL:
+            if not (palm >= HELD and abs(s - progress.mark) <= STILL):  # also where a reading is not a number
                 return Outcome.TIMEOUT
             return Outcome.REACHED if elapsed >= VERIFY_TIME else None
         case _:

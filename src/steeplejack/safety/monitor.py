@@ -18,10 +18,10 @@ from steeplejack.robots.squad.parameters import Squad
 
 Array = NDArray[np.float64]
 
-# What each code means, in the order they are checked; 0 is "all well".
+# What each code means; 0 is "all well".
 BREACHES = (
     "",
-    "command is not a number",
+    "command or measurement is not a number",
     "commanded tension outside the working window",
     "measured tension above the working window",
     "cable slack",
@@ -82,7 +82,9 @@ def check(
     goal: Array,
     limits: Limits,
 ) -> tuple[int, int]:
-    """Code of the first breach and the cable or base it concerns (0 to 3); (0, -1) when all is well.
+    """Code of the first breach and the cable or base it concerns (0 to 3, or -1 for the platform); (0, -1) if all is well.
+
+    The fence comes last. A number that is not finite, measured or commanded, is a breach of its own.
 
     Args:
         pull: Commanded winch pulls (4,) [N].
@@ -100,9 +102,12 @@ def check(
     """
     u, _lengths = directions(exits, attachments, position, rotation)
     away = np.sqrt((position[0] - goal[0]) ** 2 + (position[1] - goal[1]) ** 2 + (position[2] - goal[2]) ** 2)
+    if not np.isfinite(away):
+        return 1, -1
     for i in range(4):
         along = tension[i] * abs(u[i, 0] * tangents[i, 0] + u[i, 1] * tangents[i, 1] + u[i, 2] * tangents[i, 2])
-        if not (np.isfinite(pull[i]) and np.isfinite(tension[i]) and np.isfinite(away)):
+        # One number that is not finite makes the sum so; comparisons with it below would all be false.
+        if not np.isfinite(pull[i] + along + pay_rate[i] + s_rate[i]):
             return 1, i
         if pull[i] < limits.commanded[0] or pull[i] > limits.commanded[1]:
             return 2, i

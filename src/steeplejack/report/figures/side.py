@@ -155,7 +155,7 @@ def _overview(inset: Axes, axes: Axes, log: Log, plane: _Plane) -> None:
     inset.set(aspect="equal", facecolor=PALE, xticks=[], yticks=[])
     inset.grid(False)
     inset.margins(0.08)
-    inset.set_title("whole bay", fontsize=7.5, weight="normal", color=MUTED)
+    inset.text(0.04, 0.93, "whole bay", fontsize=7.5, color=MUTED, va="top", transform=inset.transAxes)
     for spine in inset.spines.values():
         spine.set(visible=True, color=GRID)
 
