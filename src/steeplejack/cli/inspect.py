@@ -78,9 +78,7 @@ def inspect(
     out.mkdir(parents=True, exist_ok=True)
     paths = {"log": out / "run.mcap", "report": out / "report.html", "mission": out / "inspection.mission.json"}
     write(mission, paths["mission"])
-    say(
-        f"{mission.stances} stances, {mission.moves} squad moves, {start:.1f}-{end:.1f} m of {len(bay.interior)} stays"
-    )
+    say(f"{mission.stances} stances, {mission.moves} squad moves, {start:.1f}-{end:.1f} m of {len(bay.interior)} stays")
     session = Session(mission, bridge, bay, squad, verdicts(bridge, squad), seed)
     began = time.perf_counter()
     with bar("simulate", session.expected_duration) as step:
@@ -144,5 +142,3 @@ def report(
         emit({**summary, "log": str(log), "report": str(path)})
     else:
         print(path)
-
-

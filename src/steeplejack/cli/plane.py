@@ -10,7 +10,19 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import typer
 
-from steeplejack.cli.terminal import INFEASIBLE, Json, Robot, Worksite, emit, mass, planar, positive, say, target, window
+from steeplejack.cli.terminal import (
+    INFEASIBLE,
+    Json,
+    Robot,
+    Worksite,
+    emit,
+    mass,
+    planar,
+    positive,
+    say,
+    target,
+    window,
+)
 from steeplejack.errors import InputError
 from steeplejack.robots.squad import BUILT_IN, load_squad
 

@@ -5,16 +5,18 @@ tensions, each winch commanded by torque; each base under way follows its refere
 nothing is controlled: there the platform hangs.
 
 The cables are springs between winch and platform. Feeding the platform's own motion back to the winches is stable only
-while the gain stays below the cables' stiffness in the plane (Routh: K < k), which a 60 m cable at a flat angle does not
-offer. The stretch is therefore compensated from the measured tension slowly: fast motion is judged at the winches,
+while the gain stays below the cables' stiffness in the plane (Routh: K < k), which a 60 m cable at a flat angle does
+not offer. The stretch is therefore compensated from the measured tension slowly: fast motion is judged at the winches,
 where force and motion meet and any PD is passive, and what the tensions hold is still seen.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.control.estimator import estimate, observe, winch_exits
@@ -26,6 +28,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 RAIL_STEP = 1.0  # [m] between tabulated places on a stay; the arc between them is off its chord by 20 um at R = 6 km
+STATE_SIZE = 54
 
 
 @dataclass
@@ -37,37 +40,130 @@ class Setpoint:
     velocity: Array  # (3,) [m/s]
     acceleration: Array  # (3,) [m/s2]
     tension: Array  # (4,) [N]
-    s: Array  # (4,) [m] bases
-    s_rate: Array  # (4,) [m/s]
-    s_acceleration: Array  # (4,) [m/s2]
-    clock: Array  # (4,) [rad]
-    clock_rate: Array  # (4,) [rad/s]
+    bases: Array  # (5, 4) place [m], rate, acceleration, clock angle [rad] and its rate
+
+    @property
+    def s(self) -> Array:
+        """Places of the bases (4,) [m]."""
+        return self.bases[0]
 
 
-@dataclass
 class State:
-    """What the controller remembers."""
+    """What the controller remembers: one vector with named parts."""
 
-    position: Array  # (3,) [m] estimate
-    rotation: Array  # (3, 3) estimate
-    velocity: Array  # (6,) estimate (rotation; translation)
-    tension: Array  # (4,) [N] measured, filtered
-    momentum: Array  # (4,) [N] state of the tension observer
-    offset: Array  # (4,) [N] slow difference between measured and planned tension
-    exits: Array  # (4, 3) [m] winch exits as measured
-    tangents: Array  # (4, 3) of the stays there
+    def __init__(self, vector: Array) -> None:
+        self.vector = vector
+
+    @property
+    def position(self) -> Array:
+        """Estimated position (3,) [m]."""
+        return self.vector[0:3]
+
+    @property
+    def rotation(self) -> Array:
+        """Estimated orientation (3, 3)."""
+        return self.vector[3:12].reshape(3, 3)
+
+    @property
+    def velocity(self) -> Array:
+        """Estimated velocity (6,) (rotation; translation) [rad/s; m/s]."""
+        return self.vector[12:18]
+
+    @property
+    def tension(self) -> Array:
+        """Measured tensions, filtered (4,) [N]."""
+        return self.vector[18:22]
+
+    @property
+    def exits(self) -> Array:
+        """Winch exits as measured (4, 3) [m]."""
+        return self.vector[30:42].reshape(4, 3)
+
+    @property
+    def tangents(self) -> Array:
+        """Stay tangents there (4, 3)."""
+        return self.vector[42:54].reshape(4, 3)
 
 
-@dataclass(frozen=True)
-class Reading:
-    """The measurements the controller uses, see ``runtime.plant.Measurement``."""
+class Output(NamedTuple):
+    """What one step asks for, and how it went."""
 
-    paid: Array
-    pay_rate: Array
-    pull: Array
-    s: Array
-    s_rate: Array
-    clock: Array
+    pull: Array  # (4,) [N] winch motor pulls at the cable
+    drive: Array  # (4,) [N] wheel tractions along the stays
+    turn: Array  # (4,) [rad/s] of bases about their stays
+    status: int  # how much of the wrench the bounds let through, see ``control.allocation``
+    residual: float  # [m] root mean square of what the cable lengths leave unexplained
+
+
+@njit(cache=True)
+def _step(
+    before: Array,
+    reading: Array,
+    moving: Flags,
+    goal: Array,
+    goal_rotation: Array,
+    goal_velocity: Array,
+    goal_acceleration: Array,
+    planned: Array,
+    goal_bases: Array,
+    rails: Array,
+    offset: float,
+    attachments: Array,
+    centre: Array,
+    mass: float,
+    weight: Array,
+    weights: Array,
+    observer: Array,
+    gains: Array,
+    window: Array,
+    dt: float,
+    after: Array,
+    out: Array,
+) -> tuple[int, float]:
+    """One step in one call, writing state and commands in place: boxing arrays costs more than the arithmetic."""
+    tension, momentum, shift, carried, lengths, rates = observe(
+        reading[2], reading[1], reading[0], planned, before[22:26], before[26:30], observer, dt
+    )
+    points, tangents = winch_exits(rails, RAIL_STEP, offset, reading[3], reading[5])
+    moved = np.empty((4, 3))
+    for i in range(4):
+        for k in range(3):
+            moved[i, k] = tangents[i, k] * reading[4, i]
+    load = weight - mass * goal_acceleration
+    rotation = before[3:12].copy().reshape(3, 3)
+    position, rotation, velocity, left = estimate(
+        before[0:3], rotation, points, moved, attachments, lengths, rates, carried, load, centre, weights
+    )
+    bases = np.empty((8, 4))
+    bases[:5] = goal_bases
+    bases[5], bases[6], bases[7] = reading[3], reading[4], reading[5]
+    pull, drive, turn, status = law(
+        points,
+        tangents,
+        attachments,
+        lengths,
+        rates,
+        goal,
+        goal_rotation,
+        goal_velocity,
+        goal_acceleration,
+        planned,
+        bases,
+        tension,
+        moving,
+        mass,
+        gains,
+        window,
+    )
+    after[0:3], after[12:18] = position, velocity
+    for i in range(3):
+        after[3 + 3 * i : 6 + 3 * i] = rotation[i]
+    after[18:22], after[22:26], after[26:30] = tension, momentum, shift
+    for i in range(4):
+        after[30 + 3 * i : 33 + 3 * i] = points[i]
+        after[42 + 3 * i : 45 + 3 * i] = tangents[i]
+    out[0], out[1], out[2] = pull, drive, turn
+    return status, left
 
 
 class PlatformController:
@@ -83,115 +179,74 @@ class PlatformController:
 
     def __init__(self, bay: Bay, squad: Squad, mass: float, gravity: Array, tension: tuple[float, float]) -> None:
         gains, winch = squad.controller, squad.winch
-        self._rails = _tabulate(bay)
-        self._offset = squad.base.exit_offset
-        self._attachments = np.array(squad.platform.attachments)
-        self._centre = np.array(squad.platform.centre_of_mass)
-        self._mass, self._weight = mass, mass * gravity
-        self._weights = np.array([gains.length_noise, gains.force_noise, gains.moment_noise])
         reflected = winch.rotor_inertia * (winch.ratio / winch.drum_radius) ** 2
-        self._observer = np.array(
-            [winch.friction, reflected, gains.tension_filter, gains.stretch_filter, squad.cable.axial_stiffness]
+        self._rails = _tabulate(bay)
+        self._machine = (
+            self._rails,
+            squad.base.exit_offset,
+            np.array(squad.platform.attachments),
+            np.array(squad.platform.centre_of_mass),
+            mass,
+            mass * gravity,
+            np.array([gains.length_noise, gains.force_noise, gains.moment_noise]),
+            np.array(
+                [winch.friction, reflected, gains.tension_filter, gains.stretch_filter, squad.cable.axial_stiffness]
+            ),
+            np.array(
+                [
+                    gains.stiffness,
+                    gains.damping,
+                    gains.yaw_stiffness,
+                    gains.yaw_damping,
+                    gains.drive_stiffness,
+                    gains.drive_damping,
+                    squad.base.mass,
+                    winch.friction,
+                    reflected,
+                ]
+            ),
+            np.array([*tension, squad.base.hold_force, squad.base.drive_force]),
         )
-        self._gains = np.array(
-            [
-                gains.stiffness,
-                gains.damping,
-                gains.yaw_stiffness,
-                gains.yaw_damping,
-                gains.drive_stiffness,
-                gains.drive_damping,
-                squad.base.mass,
-                winch.friction,
-                reflected,
-            ]
-        )
-        self._window = np.array([*tension, squad.base.hold_force, squad.base.drive_force])
 
-    def begin(self, setpoint: Setpoint, reading: Reading) -> State:
-        """The state to start from: the platform rests at the reference."""
-        points, tangents = winch_exits(self._rails, RAIL_STEP, self._offset, reading.s, reading.clock)
-        return State(
-            setpoint.position.copy(),
-            setpoint.rotation.copy(),
-            np.zeros(6),
-            setpoint.tension.copy(),
-            setpoint.tension.copy(),
-            np.zeros(4),
-            points,
-            tangents,
-        )
+    def begin(self, setpoint: Setpoint, reading: Array) -> State:
+        """The state to start from: the platform rests at the reference, the observer at the planned tensions."""
+        points, tangents = winch_exits(self._rails, RAIL_STEP, self._machine[1], reading[3], reading[5])
+        still, tension = np.zeros(6), setpoint.tension
+        parts = (setpoint.position, setpoint.rotation, still, tension, tension, np.zeros(4), points, tangents)
+        return State(np.concatenate([np.ravel(part) for part in parts]))
 
     def step(
-        self, state: State, setpoint: Setpoint, reading: Reading, moving: Flags, dt: float
-    ) -> tuple[State, Array, Array, Array, int, float]:
+        self, state: State, setpoint: Setpoint, reading: Array, driven: Flags, dt: float
+    ) -> tuple[State, Output]:
         """One control step.
 
         Args:
             state: From the step before.
             setpoint: Reference now.
-            reading: Measurements now.
-            moving: Bases with open palms (4,).
+            reading: Measurements now (7, 4), rows as in ``runtime.plant.Measurement``.
+            driven: Bases whose wheels carry them (4,).
             dt: Control step [s].
 
         Returns:
-            New state; winch pulls (4,) [N]; wheel tractions (4,) [N]; turning rates (4,) [rad/s]; allocation status;
-            root mean square of the lengths' residual [m].
+            The new state and what to command.
         """
-        tension, momentum, offset, carried, lengths, rates = observe(
-            reading.pull,
-            reading.pay_rate,
-            reading.paid,
-            setpoint.tension,
-            state.momentum,
-            state.offset,
-            self._observer,
-            dt,
-        )
-        points, tangents = winch_exits(self._rails, RAIL_STEP, self._offset, reading.s, reading.clock)
-        position, rotation, velocity, left = estimate(
-            state.position,
-            state.rotation,
-            points,
-            tangents * reading.s_rate[:, None],
-            self._attachments,
-            lengths,
-            rates,
-            carried,
-            self._weight - self._mass * setpoint.acceleration,
-            self._centre,
-            self._weights,
-        )
-        bases = np.empty((8, 4))
-        bases[0], bases[1], bases[2] = setpoint.s, setpoint.s_rate, setpoint.s_acceleration
-        bases[3], bases[4] = setpoint.clock, setpoint.clock_rate
-        bases[5], bases[6], bases[7] = reading.s, reading.s_rate, reading.clock
-        pull, drive, turn, status = law(
-            points,
-            tangents,
-            self._attachments,
-            lengths,
-            rates,
+        after, out = np.empty(STATE_SIZE), np.empty((3, 4))
+        status, left = _step(
+            state.vector,
+            reading,
+            driven,
             setpoint.position,
             setpoint.rotation,
             setpoint.velocity,
             setpoint.acceleration,
             setpoint.tension,
-            bases,
-            tension,
-            moving,
-            self._mass,
-            self._gains,
-            self._window,
+            setpoint.bases,
+            *self._machine,
+            dt,
+            after,
+            out,
         )
-        return (
-            State(position, rotation, velocity, tension, momentum, offset, points, tangents),
-            pull,
-            drive,
-            turn,
-            status,
-            left,
-        )
+        return State(after), Output(out[0], out[1], out[2], status, left)
 
 
 def _tabulate(bay: Bay) -> Array:

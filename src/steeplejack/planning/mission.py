@@ -1,9 +1,9 @@
 """The mission: what the squad will do, leg by leg, as one readable, hashed file.
 
 A leg is a flight of the platform between gripped bases (``inspect`` along a stay, ``fly`` elsewhere), the drive of one
-base while the platform is parked, or a ``brace``: the tensions change at one place, all bases gripped, before or after a
-base may carry less. Its waypoints are equilibria certified at planning time; positions
-between them follow by cubic interpolation in the travel. Angles in this file are degrees and say so.
+base while the platform is parked, or a ``brace``: the tensions change at one place, all bases gripped, before or after
+a base may carry less. Its waypoints are equilibria certified at planning time; positions between them follow by cubic
+interpolation in the travel. Angles in this file are degrees and say so.
 """
 
 from __future__ import annotations

@@ -33,6 +33,7 @@ MAGIC = b"\x89MCAP0\r\n"
 VALID = "a log written by `steeplejack inspect`"
 DAMAGE = (McapError, ZstdError, struct.error, ValueError)  # what reading past the end of a killed file can raise
 COMPLETE = "mission complete"
+BREAKS_OFF = "the log breaks off before the run's end"
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ class Log:
         breaches = tuple(event.text for event in self.events if event.kind == "breach")
         if breaches or self.accomplished:
             return breaches
-        return ("the run ended before the mission did" if self.complete else "the log breaks off before the run's end",)
+        return ("the run ended before the mission did" if self.complete else BREAKS_OFF,)
 
 
 def read_log(path: Path) -> Log:

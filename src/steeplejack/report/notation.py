@@ -9,14 +9,14 @@ from steeplejack.report.analysis import Spread
 
 def number(value: float, digits: int = 1) -> str:
     """A figure with a real minus sign, a dash where there is none."""
-    return "–" if not math.isfinite(value) else f"{value:.{digits}f}".replace("-", "−")
+    return "–" if not math.isfinite(value) else f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
 def spread(values: Spread) -> str:
     """Mean and standard deviation in one."""
     if not math.isfinite(values.mean):
         return "–"
-    return f"{values.mean:+.1f} ± {values.std:.1f}".replace("-", "−")
+    return f"{round(values.mean, 1) + 0.0:+.1f} ± {values.std:.1f}".replace("-", "−")
 
 
 def minutes(seconds: float) -> str:

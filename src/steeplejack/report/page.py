@@ -14,7 +14,7 @@ from steeplejack.report.appendix import assumptions_section, events_section, pro
 from steeplejack.report.figures.style import ACTIVITY
 from steeplejack.report.html import Markup, element, figure, join, section, terms
 from steeplejack.report.log import Log, read_log
-from steeplejack.report.notation import clock, minutes
+from steeplejack.report.notation import minutes
 from steeplejack.report.stays import other_stays, stays_table
 from steeplejack.report.tracking import tracking_section
 from steeplejack.report.verdict import headline, limits_section, tiles
@@ -177,6 +177,5 @@ def _pictures(log: Log) -> Markup:
 
 def _picture(picture: Picture) -> Markup:
     data = b64encode(picture.data).decode()
-    time = clock(picture.timestamp.get("sec", 0) + 1e-9 * picture.timestamp.get("nsec", 0))
     image = Markup(f'<img alt="" src="data:image/{picture.format};base64,{data}">')
-    return element("figure", image, element("figcaption", picture.frame_id, f" ({time})"))
+    return element("figure", image, element("figcaption", picture.frame_id))

@@ -31,7 +31,11 @@ def stays_table(log: Log, analysis: Analysis) -> Markup:
             rows.append((element("b", stay.id, cls="id"), fit, *_interior(log, analysis, interior[stay.id])))
         else:
             rows.append((element("b", stay.id, cls="id"), fit, *_boundary(boundary[stay.id])))
-    return table(head, rows, numeric=(3, 4, 5))
+    note = (
+        "The outer two stays carry the bases and are out of the platform's reach. The bases' own ring cameras see them "
+        "all round where a base drove; they do not count in the share covered."
+    )
+    return join((table(head, rows, numeric=(3, 4, 5)), element("p", note)))
 
 
 def _fit(verdict: VerdictRecord | None) -> Markup:
@@ -63,7 +67,6 @@ def _interior(log: Log, analysis: Analysis, stay: Seen) -> tuple[object, ...]:
 def _boundary(stay: Driven) -> tuple[object, ...]:
     seen, asked = stay.seen_length, stay.asked_length
     word = "seen by the bases" if seen >= GOAL * asked else "partly seen" if seen > 0.0 else "not seen"
-    note = "out of the platform's reach; seen only where a base's ring camera drove past"
     missed = [(low, high) for low, high in stay.missed if high - low >= WORTH_TELLING]
     gaps = [f"{number(low)}–{number(high)} m: no base drove there" for low, high in missed]
     return (
@@ -71,7 +74,7 @@ def _boundary(stay: Driven) -> tuple[object, ...]:
         f"{number(seen)} of {number(asked)} m",
         f"{number(100.0 * seen / asked)} %" if asked > 0.0 else "–",
         "–",
-        bullets((*gaps, note)) if gaps else note,
+        bullets(gaps) if gaps else "nothing",
     )
 
 

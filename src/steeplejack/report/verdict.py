@@ -6,7 +6,7 @@ import numpy as np
 
 from steeplejack.report.analysis import Analysis
 from steeplejack.report.html import Markup, badge, element, join, section, table, text
-from steeplejack.report.log import Log
+from steeplejack.report.log import BREAKS_OFF, Log
 from steeplejack.report.notation import minutes, number
 
 GOAL = 0.95  # [1] share of the length asked for from which an inspection counts as whole
@@ -38,7 +38,7 @@ def headline(log: Log, analysis: Analysis) -> Markup:
         if not gaps
         else f"{gaps} stretch{'es' if gaps > 1 else ''} not covered, each listed below with its reason."
     )
-    if not log.complete:
+    if not log.complete and BREAKS_OFF not in title:
         rest.append("The log breaks off: this report covers what was recorded up to there.")
     return element("div", element("strong", title), element("p", join(rest, " ")), cls=f"verdict {kind}")
 

@@ -2,8 +2,8 @@
 
 Topics, all JSON with their schema in the file: ``/worksite`` and ``/mission`` and ``/robot`` once at the start,
 ``/state`` twenty times a second, ``/event`` when something happens, ``/camera`` pictures (foxglove.CompressedImage),
-``/summary`` at the end. Chunks hold about half a second of states and go to the operating system as they fill, so a kill
-loses less than a second.
+``/seed`` with what makes the run repeatable. Chunks hold about half a second of states and go to the operating system
+as they fill, so a kill loses less than a second.
 """
 
 from __future__ import annotations

@@ -17,23 +17,31 @@ Array = NDArray[np.float64]
 
 
 @njit(cache=True)
-def _sample(knots: Array, coefficients: Array, travel: float) -> tuple[Array, Array, Array]:
-    """Value, first and second derivative by travel of every column of a cubic spline (4, n, c)."""
+def _sample(
+    knots: Array, coefficients: Array, travel: float, speed: float, acceleration: float, out: Array, rotation: Array
+) -> None:
+    """A cubic spline (4, n, 19) in the travel, with its time derivatives, into ``out`` (33,) and ``rotation`` (3, 3)."""
     cell = min(max(np.searchsorted(knots, travel) - 1, 0), knots.shape[0] - 2)
     x = travel - knots[cell]
-    columns = coefficients.shape[2]
-    value, slope, bend = np.empty(columns), np.empty(columns), np.empty(columns)
-    for j in range(columns):
-        a, b, c, d = (
-            coefficients[0, cell, j],
-            coefficients[1, cell, j],
-            coefficients[2, cell, j],
-            coefficients[3, cell, j],
-        )
-        value[j] = ((a * x + b) * x + c) * x + d
-        slope[j] = (3.0 * a * x + 2.0 * b) * x + c
-        bend[j] = 6.0 * a * x + 2.0 * b
-    return value, slope, bend
+    quaternion = np.empty(4)
+    for j in range(19):
+        a, b = coefficients[0, cell, j], coefficients[1, cell, j]
+        c, d = coefficients[2, cell, j], coefficients[3, cell, j]
+        value = ((a * x + b) * x + c) * x + d
+        slope = (3.0 * a * x + 2.0 * b) * x + c
+        rate = slope * speed
+        second = slope * acceleration + (6.0 * a * x + 2.0 * b) * speed * speed
+        if j < 3:
+            out[j], out[3 + j], out[6 + j] = value, rate, second
+        elif j < 7:
+            quaternion[j - 3] = value
+        elif j < 11:
+            out[2 + j] = value
+        elif j < 15:
+            out[2 + j], out[6 + j], out[10 + j] = value, rate, second
+        else:
+            out[10 + j], out[14 + j] = value, rate
+    rotation[:] = from_quaternion(quaternion)
 
 
 @dataclass(frozen=True)
@@ -65,18 +73,6 @@ class LegReference:
     def at(self, time: float) -> Setpoint:
         """The reference ``time`` seconds into the leg; at rest before and after."""
         travel, speed, acceleration = self.timing.at(time)
-        value, slope, bend = _sample(self.knots, self.coefficients, travel)
-        rate = slope * speed
-        second = slope * acceleration + bend * speed**2
-        return Setpoint(
-            value[:3],
-            from_quaternion(value[3:7]),
-            rate[:3],
-            second[:3],
-            value[7:11],
-            value[11:15],
-            rate[11:15],
-            second[11:15],
-            value[15:19],
-            rate[15:19],
-        )
+        out, rotation = np.empty(33), np.empty((3, 3))
+        _sample(self.knots, self.coefficients, travel, speed, acceleration, out, rotation)
+        return Setpoint(out[0:3], rotation, out[3:6], out[6:9], out[9:13], out[13:33].reshape(5, 4))

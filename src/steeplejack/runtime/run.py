@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.control.controller import PlatformController, Reading, Setpoint, State
+from steeplejack.control.controller import PlatformController, Setpoint, State
 from steeplejack.errors import SteeplejackError
 from steeplejack.mechanics.cable.suspension import directions, force_family
 from steeplejack.planning.mission import Mission
@@ -88,7 +88,7 @@ class Supervisor:
     def run(self, step: Callable[[float], None]) -> Result:
         """Run every leg; ``step`` is called with the time [s] at each sample. Stops on the brakes at a breach."""
         measured = self._plant.measure()
-        state = self._controller.begin(self._references[0].at(0.0), _reading(measured))
+        state = self._controller.begin(self._references[0].at(0.0), measured.values)
         for index, reference in enumerate(self._references):
             state, setpoint, phase, why = self._leg(index, reference, state, step)
             if phase is Phase.STOPPED:
@@ -140,11 +140,10 @@ class Supervisor:
     def _step(self, state: State, setpoint: Setpoint, moving: Flags, driven: Flags) -> tuple[State, Measurement, str]:
         """Measure, control, check, command, advance; the breach in words, or nothing."""
         measured = self._plant.measure()
-        state, pull, drive, turn, self._status, self._residual = self._controller.step(
-            state, setpoint, _reading(measured), driven, CONTROL_STEP
-        )
+        state, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
+        self._status, self._residual = output.status, output.residual
         code, where = check(
-            pull,
+            output.pull,
             state.tension,
             measured.pay_rate,
             measured.s_rate,
@@ -161,7 +160,7 @@ class Supervisor:
         if code:
             return state, measured, BREACHES[code] + (f" ({where + 1})" if where >= 0 else "")
         command = self._command
-        command.pull, command.drive, command.turn = pull, drive, turn
+        command.pull, command.drive, command.turn = output.pull, output.drive, output.turn
         self._plant.apply(command)
         self._plant.advance(self._substeps)
         return state, measured, ""
@@ -261,6 +260,3 @@ def planar_tension_factor(u: Array, rotation: Array, plane: Array, attachments: 
         return 0.0
     return float(np.abs(null).min() / np.abs(null).max())
 
-
-def _reading(measured: Measurement) -> Reading:
-    return Reading(measured.paid, measured.pay_rate, measured.pull, measured.s, measured.s_rate, measured.clock)

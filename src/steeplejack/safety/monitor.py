@@ -67,7 +67,6 @@ class Limits(NamedTuple):
         )
 
 
-@njit(cache=True)
 def check(
     pull: Array,
     tension: Array,
@@ -82,7 +81,7 @@ def check(
     goal: Array,
     limits: Limits,
 ) -> tuple[int, int]:
-    """Code of the first breach and the cable or base it concerns (0 to 3, or -1 for the platform); (0, -1) if all is well.
+    """Code of the first breach and the cable or base it concerns, 0 to 3 or -1 for neither; (0, -1) if all is well.
 
     The fence comes last. A number that is not finite, measured or commanded, is a breach of its own.
 
@@ -100,6 +99,52 @@ def check(
         goal: Reference position (3,) [m].
         limits: Declared limits.
     """
+    # Taken apart here: handing a named tuple to compiled code costs more than the check itself.
+    return _check(
+        pull,
+        tension,
+        pay_rate,
+        s_rate,
+        moving,
+        exits,
+        tangents,
+        attachments,
+        position,
+        rotation,
+        goal,
+        limits.commanded,
+        limits.tension,
+        limits.hold,
+        limits.drive,
+        limits.winch_speed,
+        limits.base_speed,
+        limits.fence,
+        limits.creep,
+    )
+
+
+@njit(cache=True)
+def _check(
+    pull: Array,
+    tension: Array,
+    pay_rate: Array,
+    s_rate: Array,
+    moving: NDArray[np.bool_],
+    exits: Array,
+    tangents: Array,
+    attachments: Array,
+    position: Array,
+    rotation: Array,
+    goal: Array,
+    commanded: Array,
+    window: Array,
+    hold: float,
+    drive: float,
+    winch_speed: float,
+    base_speed: float,
+    fence: float,
+    creep: float,
+) -> tuple[int, int]:
     u, _lengths = directions(exits, attachments, position, rotation)
     away = np.sqrt((position[0] - goal[0]) ** 2 + (position[1] - goal[1]) ** 2 + (position[2] - goal[2]) ** 2)
     if not np.isfinite(away):
@@ -109,22 +154,22 @@ def check(
         # One number that is not finite makes the sum so; comparisons with it below would all be false.
         if not np.isfinite(pull[i] + along + pay_rate[i] + s_rate[i]):
             return 1, i
-        if pull[i] < limits.commanded[0] or pull[i] > limits.commanded[1]:
+        if pull[i] < commanded[0] or pull[i] > commanded[1]:
             return 2, i
-        if tension[i] > limits.tension[1]:
+        if tension[i] > window[1]:
             return 3, i
-        if tension[i] < limits.tension[0]:
+        if tension[i] < window[0]:
             return 4, i
-        if not moving[i] and along > limits.hold:
+        if not moving[i] and along > hold:
             return 5, i
-        if moving[i] and along > limits.drive:
+        if moving[i] and along > drive:
             return 6, i
-        if abs(pay_rate[i]) > limits.winch_speed:
+        if abs(pay_rate[i]) > winch_speed:
             return 7, i
-        if abs(s_rate[i]) > limits.base_speed:
+        if abs(s_rate[i]) > base_speed:
             return 8, i
-        if not moving[i] and abs(s_rate[i]) > limits.creep:
+        if not moving[i] and abs(s_rate[i]) > creep:
             return 10, i
-    if away > limits.fence:
+    if away > fence:
         return 9, -1
     return 0, -1

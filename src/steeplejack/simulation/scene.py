@@ -102,7 +102,7 @@ def _base(squad: Squad, number: int, rail: Rail, radius: float) -> str:
 
 
 def _stay(bay: Bay, k: int, low: float, high: float) -> str:
-    nodes = bay.stays[k].position(np.linspace(low, high, max(2, int((high - low) / 6.0) + 1)))
+    nodes = bay.stays[k].position(np.linspace(low, high, max(2, int((high - low) / 25.0) + 1)))
     colour = "0.80 0.82 0.84 1" if k in bay.interior else "0.62 0.65 0.69 1"
     return "\n".join(
         f'<geom type="capsule" fromto="{_numbers(a)} {_numbers(b)}" size="{bay.radius(k)}" rgba="{colour}"/>'

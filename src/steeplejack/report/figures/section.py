@@ -35,7 +35,7 @@ class _Plane:
         stay = log.bay.stays[k]
         tangent, normal = stay.tangent(s), log.bay.normal(float(k), s)
         normal = normal - (normal @ tangent) * tangent
-        face = math.copysign(1.0, normal[2])
+        face = _face(log)
         up = face * normal / np.linalg.norm(normal)
         return cls(stay.position(s), np.stack([np.cross(tangent, up), up]), face)
 
@@ -57,6 +57,11 @@ def section_figure(log: Log, analysis: Analysis) -> str:
         row[0].set_ylabel("off the stay [m]")
         row[len(row) // 2].set_xlabel("across the stay [m], looking up it")
         return svg(figure, "section")
+
+
+def _face(log: Log) -> float:
+    """One sense for the whole bay, also where its plane is vertical and no face looks up or down."""
+    return math.copysign(1.0, log.bay.normal(0.5 * (len(log.bay.stays) - 1), 0.5 * log.bay.reach)[2])
 
 
 def _runs_right(log: Log) -> bool:
@@ -137,7 +142,7 @@ def _passes(axes: Axes, log: Log, analysis: Analysis, k: int, here: NDArray[np.b
         return
     s, position = accuracy.s[thinned], log.states.actual_position[accuracy.sample[thinned]]
     tangent, normal = stay.tangent(s), log.bay.normal(np.full(len(s), float(k)), s)
-    up = np.sign(normal[:, 2:]) * (normal - np.sum(normal * tangent, axis=1, keepdims=True) * tangent)
+    up = _face(log) * (normal - np.sum(normal * tangent, axis=1, keepdims=True) * tangent)
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     offset = position - stay.position(s)
     across = np.sum(offset * np.cross(tangent, up), axis=1)

@@ -1,0 +1,86 @@
+"""Fits, does not fit and why, or cannot be told and what is missing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from steeplejack.planning import Verdict, check
+from steeplejack.robots.squad import Squad
+from steeplejack.worksite import Interval, Stay
+
+STAY = Stay("T1L-M05", "1", "L", "main", 5, (40.0, 14.0, 50.0), (0.0, 12.0, 110.0), diameter=0.110)
+
+
+def with_diameter(diameter: float | None) -> Stay:
+    return replace(STAY, diameter=diameter)
+
+
+@pytest.mark.parametrize("diameter", [0.090, 0.105, 0.120])
+def test_both_ends_of_the_range_fit(diameter: float, squad: Squad) -> None:
+    verdict = check(with_diameter(diameter), squad)
+    assert verdict == Verdict(STAY.id, (), ())
+    assert verdict.fits is True
+
+
+@pytest.mark.parametrize("diameter", [math.nextafter(0.090, 0.0), math.nextafter(0.120, 1.0), 0.0895, 0.1204, 0.140])
+def test_just_outside_does_not(diameter: float, squad: Squad) -> None:
+    verdict = check(with_diameter(diameter), squad)
+    assert verdict.fits is False
+    assert "outside 90-120 mm" in verdict.reasons[0]
+
+
+def test_the_reason_does_not_contradict_itself(squad: Squad) -> None:
+    """120.4 mm must not be printed as 120 mm outside 90-120 mm."""
+    assert check(with_diameter(0.1204), squad).reasons == ("diameter 120.4 mm outside 90-120 mm",)
+    assert check(with_diameter(0.140), squad).reasons == ("diameter 140 mm outside 90-120 mm",)
+
+
+def test_unknown_diameter_is_undecided(squad: Squad) -> None:
+    verdict = check(with_diameter(None), squad)
+    assert verdict.fits is None
+    assert verdict.unknown == ("diameter",)
+
+
+def test_weight_and_tension_decide_nothing(squad: Squad) -> None:
+    assert STAY.unknown == ("weight", "tension")
+    assert check(STAY, squad).fits is True
+
+
+def test_obstacle_of_unknown_height_is_listed(squad: Squad) -> None:
+    collar = Interval(20.0, 20.6, "obstacle")
+    verdict = check(replace(STAY, intervals=(collar,)), squad)
+    assert verdict.fits is None
+    assert verdict.unknown == ("height of the obstacle at 20.0-20.6 m",)
+
+
+@pytest.mark.parametrize("height", [0.004, 0.005, 0.5])
+def test_obstacle_of_known_height_leaves_the_rest_of_the_stay(height: float, squad: Squad) -> None:
+    assert check(replace(STAY, intervals=(Interval(20.0, 20.6, "obstacle", height),)), squad).fits is True
+
+
+def test_nothing_free_does_not_fit_even_where_data_are_missing(squad: Squad) -> None:
+    tube = Interval(0.0, 1e3, "end zone")
+    verdict = check(replace(STAY, diameter=None, intervals=(tube,)), squad)
+    assert verdict.fits is False
+    assert verdict.reasons == ("no stretch free of end zones and obstacles",)
+    assert verdict.unknown == ("diameter",)
+
+
+def test_low_sleeve_over_the_whole_stay_is_passed(squad: Squad) -> None:
+    sleeve = replace(STAY, intervals=(Interval(0.0, 1e3, "obstacle", 0.005),))
+    assert check(sleeve, squad).fits is True
+    higher = replace(STAY, intervals=(Interval(0.0, 1e3, "obstacle", math.nextafter(0.005, 1.0)),))
+    assert check(higher, squad).fits is False
+
+
+def test_inclination_limit_includes_the_vertical(squad: Squad) -> None:
+    vertical = replace(STAY, lower=(0.0, 14.0, 50.0), upper=(0.0, 14.0, 110.0))
+    assert check(vertical, squad).fits is True
+
+
+def test_every_reason_is_given(squad: Squad) -> None:
+    verdict = check(replace(STAY, diameter=0.2, intervals=(Interval(0.0, 1e3, "end zone"),)), squad)
+    assert len(verdict.reasons) == 2

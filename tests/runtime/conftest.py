@@ -1,0 +1,35 @@
+"""A small planned mission whose legs the runtime follows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from steeplejack.planning import Mission, Request, Rules, Scene, plan
+from steeplejack.robots.squad import Bay, Squad, load_squad
+from steeplejack.worksite import Bridge, load_worksite
+
+
+@pytest.fixture(scope="session")
+def squad() -> Squad:
+    return load_squad()
+
+
+@pytest.fixture(scope="session")
+def bridge() -> Bridge:
+    site = load_worksite("ecs620-like")
+    assert isinstance(site, Bridge)
+    return site
+
+
+@pytest.fixture(scope="session")
+def bay(bridge: Bridge, squad: Squad) -> Bay:
+    return Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad)
+
+
+@pytest.fixture(scope="session")
+def mission(bridge: Bridge, squad: Squad, bay: Bay) -> Mission:
+    """Two cells on one interior stay: inspection, flights, braces and the drives of a squad move."""
+    rules = Rules(tension=(20.0, 250.0))
+    asked = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 45.0, "under", 0.0, rules.tension)
+    return plan(Scene.of(bay, squad, rules, np.array(bridge.gravity)), asked, (), lambda _done: None)
