@@ -59,9 +59,11 @@ def test_imports_point_one_way(path: Path) -> None:
     source = room(path)
     for name in imports(path):
         parts = name.split(".")
-        if parts[0] == "steeplejack" and len(parts) > 1 and (PACKAGE / parts[1]).exists() | (
-            PACKAGE / f"{parts[1]}.py"
-        ).exists():
+        if (
+            parts[0] == "steeplejack"
+            and len(parts) > 1
+            and (PACKAGE / parts[1]).exists() | (PACKAGE / f"{parts[1]}.py").exists()
+        ):
             assert allowed(source, parts[1]), f"{source} may not import {parts[1]}"
         if parts[0] == "steeplejack" and parts[1:2] == ["robots"] and source == "robots":
             here = path.relative_to(PACKAGE).parts[1]

@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 
 from steeplejack.errors import InfeasibleError, InputError
-from steeplejack.planning import Request, Rules, Scene, choose_bay, choose_stretch, plan, verdicts
-from steeplejack.planning import request
+from steeplejack.planning import (
+    Request,
+    Rules,
+    Scene,
+    asked_stretch,
+    choose_bay,
+    choose_stretch,
+    plan,
+    request,
+    verdicts,
+)
 from steeplejack.planning.inspection import held_fraction
 from steeplejack.robots.squad import Bay, Squad
 from steeplejack.worksite import Bridge, Interval, load_worksite
@@ -76,7 +85,9 @@ def test_unknown_obstacle_height_is_not_taken_for_a_diameter(bridge: Bridge, squ
 def test_stays_of_known_diameter_and_unknown_weight_hang_on_chords(bridge: Bridge, squad: Squad) -> None:
     bare = altered(bridge, every={"weight": None, "tension": None})
     _fan, _bounds, assumed = choose_bay(bare, squad, "T1L-main", (5, 7), False)
-    assert assumed == tuple(f"{name}: unknown, so the stays are taken as straight chords" for name in ("tension", "weight"))
+    assert assumed == tuple(
+        f"{name}: unknown, so the stays are taken as straight chords" for name in ("tension", "weight")
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,21 +127,20 @@ def test_numbers_far_apart_with_nothing_between_have_no_interior(bridge: Bridge,
         (30.0, float("nan"), "--to-m"),
     ],
 )
-def test_stretches_outside_the_stays(
-    bridge: Bridge, squad: Squad, bay: Bay, low: float, high: float | None, words: str
-) -> None:
+def test_stretches_outside_the_stays(bay: Bay, low: float, high: float | None, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        choose_stretch(bridge, bay, squad, RULES, (low, high))
+        asked_stretch(bay, low, high)
 
 
 def test_stretch_as_asked_and_half_asked(bridge: Bridge, squad: Squad) -> None:
     bay = Bay.of(bridge.fan("T1L-main"), 5, 9, "under", squad)  # three interior stays
-    assert choose_stretch(bridge, bay, squad, RULES, (30.0, 45.0)) == (30.0, 45.0)
-    assert choose_stretch(bridge, bay, squad, RULES, (30.0, None)) == pytest.approx((30.0, 30.0 + 100.0 / 3.0))
-    assert choose_stretch(bridge, bay, squad, RULES, (None, 60.0)) == pytest.approx((60.0 - 100.0 / 3.0, 60.0))
-    assert choose_stretch(bridge, bay, squad, RULES, (None, 20.0)) == (0.0, 20.0)
+    assert asked_stretch(bay, 30.0, 45.0) == (30.0, 45.0)
+    assert asked_stretch(bay, 30.0, None) == pytest.approx((30.0, 30.0 + 100.0 / 3.0))
+    assert asked_stretch(bay, None, 60.0) == pytest.approx((60.0 - 100.0 / 3.0, 60.0))
+    assert asked_stretch(bay, None, 20.0) == (0.0, 20.0)
+    assert asked_stretch(bay, None, None) is None
     end = bay.reach
-    assert choose_stretch(bridge, bay, squad, RULES, (end - 5.0, None)) == (end - 5.0, end)
+    assert asked_stretch(bay, end - 5.0, None) == (end - 5.0, end)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +152,7 @@ def test_stretch_left_open_is_about_100_m_where_most_is_held(
     """The first stretch held all along, else the one held most; what a stretch holds is told here, not searched."""
     bay = Bay.of(bridge.fan("T1L-main"), 5, 9, "under", squad)
     monkeypatch.setattr(request, "held_fraction", lambda _scene, low, _high: shares.get(low, 1.0))
-    low, high = choose_stretch(bridge, bay, squad, RULES, (None, None))
+    low, high = choose_stretch(bridge, bay, squad, RULES)
     assert low == begins
     assert (high - low) * len(bay.interior) == pytest.approx(100.0)
     assert high <= bay.reach

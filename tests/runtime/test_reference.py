@@ -1,4 +1,4 @@
-"""References of a planned mission: joined, at rest at both ends, within limits, derivatives consistent, in equilibrium."""
+"""References of a planned mission: joined, at rest at both ends, within limits, differentiable, in equilibrium."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from steeplejack.control.controller import Setpoint
 from steeplejack.planning import Leg, Mission
@@ -15,6 +16,8 @@ from steeplejack.runtime.reference import LegReference
 from steeplejack.spatial import to_vector
 from steeplejack.worksite import Bridge
 
+Array = NDArray[np.float64]
+
 
 @pytest.fixture(scope="module")
 def references(mission: Mission) -> list[LegReference]:
@@ -23,6 +26,12 @@ def references(mission: Mission) -> list[LegReference]:
 
 def samples(reference: LegReference, count: int = 200) -> list[Setpoint]:
     return [reference.at(time) for time in np.linspace(0.0, reference.timing.duration, count)]
+
+
+def rows(setpoint: Setpoint) -> dict[str, Array]:
+    """Everything a setpoint says that has a rate, by name."""
+    platform = {name: getattr(setpoint, name) for name in ("position", "velocity", "acceleration")}
+    return platform | dict(zip(("s", "s_rate", "s_acceleration", "clock", "clock_rate"), setpoint.bases, strict=True))
 
 
 def test_the_mission_has_every_kind_of_leg(mission: Mission) -> None:
@@ -45,17 +54,19 @@ def test_continuous_from_leg_to_leg(references: list[LegReference]) -> None:
         np.testing.assert_allclose(start.s, end.s, atol=2e-6)
         assert np.linalg.norm(to_vector(start.rotation @ end.rotation.T)) < 1e-3  # [rad]
         np.testing.assert_allclose(start.tension, end.tension, atol=0.5)  # [N]
-        np.testing.assert_allclose(np.sin(0.5 * (start.clock - end.clock)), 0.0, atol=1e-6)
+        turn = rows(start)["clock"] - rows(end)["clock"]
+        np.testing.assert_allclose(np.sin(0.5 * turn), 0.0, atol=1e-6)
 
 
 def test_at_rest_at_both_ends(references: list[LegReference]) -> None:
     for reference in references:
         for time in (-1.0, 0.0, reference.timing.duration, reference.timing.duration + 5.0):
             setpoint = reference.at(time)
-            for rate in (setpoint.velocity, setpoint.s_rate, setpoint.clock_rate):
-                np.testing.assert_array_equal(rate, 0.0)
-            for second in (setpoint.acceleration, setpoint.s_acceleration):
-                np.testing.assert_allclose(second, 0.0, atol=1e-12)
+            now = rows(setpoint)
+            for rate in ("velocity", "s_rate", "clock_rate"):
+                np.testing.assert_array_equal(now[rate], 0.0)
+            for second in ("acceleration", "s_acceleration"):
+                np.testing.assert_allclose(now[second], 0.0, atol=1e-12)
 
 
 def test_speed_and_acceleration_keep_the_machine_s_limits(references: list[LegReference], squad: Squad) -> None:
@@ -63,8 +74,8 @@ def test_speed_and_acceleration_keep_the_machine_s_limits(references: list[LegRe
     for reference in references:
         points = samples(reference)
         speed = max(np.linalg.norm(point.velocity) for point in points)
-        s_rate = max(np.max(np.abs(point.s_rate)) for point in points)
-        s_acceleration = max(np.max(np.abs(point.s_acceleration)) for point in points)
+        s_rate = max(np.max(np.abs(rows(point)["s_rate"])) for point in points)
+        s_acceleration = max(np.max(np.abs(rows(point)["s_acceleration"])) for point in points)
         # The travel keeps its limit exactly; the curve through the waypoints bends a little about it.
         largest = {"inspect": motion.speed, "fly": motion.transit_speed}.get(reference.leg.kind, 0.0)
         assert speed <= 1.02 * largest + 1e-9
@@ -80,13 +91,13 @@ def test_rates_by_finite_differences(references: list[LegReference]) -> None:
     for reference in references:
         duration = reference.timing.duration
         for time in np.linspace(0.03, 0.97, 9) * duration:
-            before, here, after = (reference.at(time + k * h) for k in (-1, 0, 1))
+            before, here, after = (rows(reference.at(time + k * h)) for k in (-1, 0, 1))
             for value, rate in (("position", "velocity"), ("s", "s_rate"), ("clock", "clock_rate")):
-                numeric = (getattr(after, value) - getattr(before, value)) / (2.0 * h)
-                np.testing.assert_allclose(numeric, getattr(here, rate), atol=1e-6)
+                numeric = (after[value] - before[value]) / (2.0 * h)
+                np.testing.assert_allclose(numeric, here[rate], atol=1e-6)
             for rate, second in (("velocity", "acceleration"), ("s_rate", "s_acceleration")):
-                numeric = (getattr(after, rate) - getattr(before, rate)) / (2.0 * h)
-                np.testing.assert_allclose(numeric, getattr(here, second), atol=1e-5)
+                numeric = (after[rate] - before[rate]) / (2.0 * h)
+                np.testing.assert_allclose(numeric, here[second], atol=1e-5)
 
 
 def test_rotations_stay_rotations(references: list[LegReference]) -> None:
@@ -103,7 +114,7 @@ def test_between_the_waypoints_it_hangs_in_balance_too(
     attachments = np.array(squad.platform.attachments)
     for reference in references:
         for setpoint in samples(reference, 60):
-            anchors, _tangents, _arms = exits(bay, squad, setpoint.s, setpoint.clock)
+            anchors, _tangents, _arms = exits(bay, squad, setpoint.s, rows(setpoint)["clock"])
             arms = attachments @ setpoint.rotation.T
             cables = anchors - setpoint.position - arms
             forces = setpoint.tension[:, None] * cables / np.linalg.norm(cables, axis=1, keepdims=True)
@@ -121,5 +132,5 @@ def test_a_full_turn_of_the_clock_is_no_jump(mission: Mission) -> None:
         clock = tuple((angle + 180.0) % 360.0 - 180.0 if i == leg.base - 1 else 0.0 for i in range(4))
         turned.append(type(point)(*(getattr(point, name) for name in point.__struct_fields__[:-1]), clock))
     reference = LegReference.of(Leg("drive", 0, None, leg.base, leg.speed, leg.acceleration, tuple(turned)))
-    rates = [point.clock_rate[leg.base - 1] for point in samples(reference)]
+    rates = [rows(point)["clock_rate"][leg.base - 1] for point in samples(reference)]
     assert max(np.abs(rates)) < 0.1

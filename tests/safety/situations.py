@@ -139,7 +139,7 @@ def oblique() -> Iterator[Case]:
 
 
 def not_numbers() -> Iterator[Case]:
-    """nan and infinities in everything measured and commanded."""
+    """Nan and infinities in everything measured and commanded."""
     for value in (math.nan, math.inf, -math.inf):
         for i in range(4):
             for name in ("pull", "tension", "pay_rate", "s_rate"):

@@ -15,6 +15,8 @@ from steeplejack.worksite import Bridge, load_worksite
 
 @dataclass(frozen=True)
 class Case:
+    """A planned mission and what it was planned on."""
+
     bridge: Bridge
     bay: Bay
     squad: Squad
@@ -22,6 +24,7 @@ class Case:
 
     @property
     def session(self) -> Session:
+        """The mission, ready to run."""
         return Session(self.mission, self.bridge, self.bay, self.squad, verdicts(self.bridge, self.squad), 4)
 
     def plant(self, leg: int, point: int) -> SquadPlant:

@@ -120,7 +120,7 @@ def test_brakes_hold_what_the_motor_does_not(case) -> None:
 
 
 def test_energy_is_kept_without_friction_drag_or_damping(case) -> None:
-    """Platform on locked elastic cables, bases frozen: kinetic + elastic + gravity stays within 0.1 % of the exchange."""
+    """Platform on locked elastic cables, bases frozen: kinetic, elastic and gravity energy add up to a constant."""
     plant = case.plant(0, 4)
     plant.model.opt.density = 0.0
     plant._constants[1] = 0.0

@@ -81,7 +81,7 @@ def test_quaternion_with_each_component_largest(largest: int) -> None:
 @given(vectors(), st.integers(0, 2))
 @settings(max_examples=100, deadline=None)
 def test_derivative_by_finite_differences(vector: Array, axis: int) -> None:
-    """d R = [J dv]x R with the left Jacobian J = I + (1 - cos a) / a2 [v]x + (a - sin a) / a3 [v]x2."""
+    """D R = [J dv]x R with the left Jacobian J = I + (1 - cos a) / a2 [v]x + (a - sin a) / a3 [v]x2."""
     step, h = np.eye(3)[axis], 1e-5
     rate = (from_vector(vector + h * step) - from_vector(vector - h * step)) / (2.0 * h)
     a, cross = np.linalg.norm(vector), skew(vector)

@@ -55,7 +55,9 @@ def test_derivatives_are_consistent(length: float, speed: float, acceleration: f
     before, here, after = (motion.at(time + k * h) for k in (-1, 0, 1))
     # The jerk jumps at the seams between ramps, cruise and rest: one step of it is the error of a difference there.
     jerk = acceleration * math.pi / motion.ramp
-    assert (after[0] - before[0]) / (2.0 * h) == pytest.approx(here[1], rel=1e-6, abs=h * acceleration + 1e-9 * length / h)
+    assert (after[0] - before[0]) / (2.0 * h) == pytest.approx(
+        here[1], rel=1e-6, abs=h * acceleration + 1e-9 * length / h
+    )
     assert (after[1] - before[1]) / (2.0 * h) == pytest.approx(here[2], abs=h * jerk + 1e-9 * motion.speed / h)
 
 

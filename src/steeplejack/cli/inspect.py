@@ -13,7 +13,7 @@ import typer
 from steeplejack.cli.terminal import Ended, Json, Out, Robot, Worksite, bar, emit, mass, say, target, window
 from steeplejack.cli.terminal import bridge as load_bridge
 from steeplejack.errors import InputError
-from steeplejack.planning import Request, Rules, Scene, choose_bay, choose_stretch, plan, verdicts, write
+from steeplejack.planning import Request, Rules, Scene, asked_stretch, choose_bay, choose_stretch, plan, verdicts, write
 from steeplejack.robots.squad import BUILT_IN, Bay, load_squad
 
 
@@ -56,11 +56,15 @@ def inspect(
     asked = None if stays is None else _pair(stays, "--stays")
     chosen, bounds, assumed = choose_bay(bridge, squad, fan, asked, accept_unknown)
     bay = Bay.of(chosen, *bounds, face, squad)
+    stretch = asked_stretch(bay, from_m, to_m)
     rules = Rules(tension=(low, high), payload=payload_kg)
     say(f"{bridge.name}, fan {chosen.id}, stays {bounds[0]}:{bounds[1]}, {face} face")
     for item in assumed:
         say(f"assumed: {item}")
-    start, end = choose_stretch(bridge, bay, squad, rules, (from_m, to_m))
+    if stretch is None:
+        with bar("choose", None):
+            stretch = choose_stretch(bridge, bay, squad, rules)
+    start, end = stretch
     scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
     request = Request(
         worksite,
@@ -84,7 +88,8 @@ def inspect(
     with bar("simulate", session.expected_duration) as step:
         result = session.run(paths["log"], pictures, step)
     factor = result.duration / (time.perf_counter() - began)
-    summary = write_report(paths["log"], paths["report"])
+    with bar("report", None):
+        summary = write_report(paths["log"], paths["report"])
     answer = {
         **msgspec.to_builtins(summary),
         "real_time_factor": round(factor, 2),
@@ -137,7 +142,8 @@ def report(
     read_log(log)  # before anything is written
     out.mkdir(parents=True, exist_ok=True)
     path = out / "report.html"
-    summary = msgspec.to_builtins(write_report(log, path))
+    with bar("report", None):
+        summary = msgspec.to_builtins(write_report(log, path))
     if json:
         emit({**summary, "log": str(log), "report": str(path)})
     else:

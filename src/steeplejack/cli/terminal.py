@@ -38,8 +38,8 @@ def say(text: str) -> None:
 
 
 @contextmanager
-def bar(title: str, total: float) -> Generator[Callable[[float], None]]:
-    """A progress bar on stderr; the callable takes how far the work is."""
+def bar(title: str, total: float | None) -> Generator[Callable[[float], None]]:
+    """A progress bar on stderr; the callable takes how far the work is. Without a total it only shows that it runs."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -52,8 +52,8 @@ def bar(title: str, total: float) -> Generator[Callable[[float], None]]:
     )
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task(title, total=total)
-        yield lambda done: progress.update(task, completed=min(done, total))
-        progress.update(task, completed=total)
+        yield lambda done: progress.update(task, completed=done)
+        progress.update(task, total=total or 1.0, completed=total or 1.0)
 
 
 def bridge(worksite: str) -> Bridge:

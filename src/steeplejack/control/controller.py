@@ -215,9 +215,7 @@ class PlatformController:
         parts = (setpoint.position, setpoint.rotation, still, tension, tension, np.zeros(4), points, tangents)
         return State(np.concatenate([np.ravel(part) for part in parts]))
 
-    def step(
-        self, state: State, setpoint: Setpoint, reading: Array, driven: Flags, dt: float
-    ) -> tuple[State, Output]:
+    def step(self, state: State, setpoint: Setpoint, reading: Array, driven: Flags, dt: float) -> tuple[State, Output]:
         """One control step.
 
         Args:

@@ -60,8 +60,8 @@ def observe(
     """Measured tensions and loaded cable lengths from winch encoders and motor currents.
 
     Tensions follow from motor pull, friction and the rotor's momentum,
-    ``tau dt_hat/dt = F + friction + m_r dv/dt - t_hat``, without differentiating the rate v: the momentum enters through
-    ``t_hat = z + m_r v / tau``. Stretch is compensated by the planned tension plus its slowly filtered difference to
+    ``tau dt_hat/dt = F + friction + m_r dv/dt - t_hat``, without differentiating the rate v: the momentum enters
+    through ``t_hat = z + m_r v / tau``. Stretch is compensated by the planned tension plus its slowly filtered difference to
     the measured one.
 
     Args:
@@ -84,8 +84,8 @@ def observe(
     for i in range(4):
         impulse = reflected / tau * pay_rate[i]
         felt = pull[i] + friction * np.tanh(pay_rate[i] / FRICTION_RATE)
-        z[i] = momentum[i] + (felt - momentum[i] - impulse) * dt / tau
-        tension[i] = z[i] + impulse
+        tension[i] = momentum[i] + impulse
+        z[i] = momentum[i] + (felt - tension[i]) * dt / tau
         shift[i] = offset[i] + (tension[i] - planned[i] - offset[i]) * dt / (slow + dt)
         carried[i] = planned[i] + shift[i]
         stretch = 1.0 + carried[i] / elasticity
@@ -161,5 +161,7 @@ def estimate(
     right = np.empty((6, 2))
     right[:, 0] = rows.T @ errors
     right[:, 1] = rows.T @ speeds
-    solution = np.linalg.solve(normal, right)
-    return position + solution[3:, 0], turned(solution[:3, 0].copy(), rotation), solution[:, 1].copy(), np.sqrt(square / 4.0)
+    solution: Array = np.linalg.solve(normal, right)
+    step: Array = solution[:, 0].copy()
+    velocity: Array = solution[:, 1].copy()
+    return position + step[3:], turned(step[:3], rotation), velocity, float(np.sqrt(square / 4.0))

@@ -1,8 +1,8 @@
 """The control law: PD in the plane of the cables, bounded tensions, winch torques, wheel tractions.
 
 Pose error and wrench use one structure matrix G (3x4: two forces in the plane, the moment about its normal) at the
-reference: lengths give the error by least squares, ``e = -(G G^T)^-1 G (l - l_d)``, and the wrench ``w = -K e - D de/dt``
-is spread with the least change of tension, ``G^T (G G^T)^-1 w``. From length to tension that is ``-P K P^T`` with
+reference: lengths give the error by least squares, ``e = -(G G^T)^-1 G (l - l_d)``, and the wrench
+``w = -K e - D de/dt`` is spread with the least change of tension, ``G^T (G G^T)^-1 w``. From length to tension that is ``-P K P^T`` with
 ``P = G^T (G G^T)^-1``: symmetric, so at the winches the controller is a passive spring and damper whatever the gains.
 Any other way from lengths to pose, such as the full estimate with its balance of moments, lets motions out of the plane
 leak into the wrench and can drive the yaw and tilt modes.
@@ -25,7 +25,7 @@ SLOW = 0.01  # [m/s] of reference rate below which friction compensation fades, 
 
 @njit(cache=True)
 def plane_matrix(u: Array, rotation: Array, attachments: Array) -> tuple[Array, float]:
-    """Transposed structure matrix (4, 3) in the platform's x, y and about its z, and the arm that scales the moment [m].
+    """Transposed structure matrix (4, 3) in the platform's x, y and about its z, and the arm that scales it [m].
 
     Args:
         u: Cable directions (4, 3).

@@ -4,7 +4,7 @@ from steeplejack.planning.certificate import Rules, Scene
 from steeplejack.planning.compatibility import Verdict, check
 from steeplejack.planning.inspection import plan
 from steeplejack.planning.mission import Leg, Mission, Request, Uncovered, Waypoint, decode, encode, write
-from steeplejack.planning.request import choose_bay, choose_stretch, verdicts
+from steeplejack.planning.request import asked_stretch, choose_bay, choose_stretch, verdicts
 
 __all__ = [
     "Leg",
@@ -15,6 +15,7 @@ __all__ = [
     "Uncovered",
     "Verdict",
     "Waypoint",
+    "asked_stretch",
     "check",
     "choose_bay",
     "choose_stretch",

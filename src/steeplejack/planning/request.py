@@ -74,37 +74,35 @@ def _bays(fan: Fan) -> list[tuple[int, int]]:
     return sorted(wide, key=lambda bay: bay != USUAL)
 
 
-def choose_stretch(
-    bridge: Bridge,
-    bay: Bay,
-    squad: Squad,
-    rules: Rules,
-    asked: tuple[float | None, float | None],
-) -> tuple[float, float]:
-    """Where along the interior stays to inspect [m]: as asked, or about 100 m in all that some stances hold.
+def asked_stretch(bay: Bay, from_m: float | None, to_m: float | None) -> tuple[float, float] | None:
+    """The stretch of the interior stays asked for [m], about 100 m in all where one end is given; None where neither.
 
     Raises:
         InputError: Outside the stays or upside down.
     """
-    low, high = asked
-    reach = bay.reach
-    each = ABOUT / len(bay.interior)
-    if low is None and high is None:
-        scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
-        options = [(start, min(start + each, reach)) for start in STARTS if start + 0.5 * each < reach]
-        best = (-1.0, (0.0, min(each, reach)))
-        for option in options:
-            share = held_fraction(scene, *option)
-            if share > best[0] + 1e-9:
-                best = share, option
-            if share > 0.999:
-                break
-        return best[1]
-    low = low if low is not None else max(0.0, (high or 0.0) - each)
-    high = high if high is not None else min(reach, low + each)
+    if from_m is None and to_m is None:
+        return None
+    reach, each = bay.reach, ABOUT / len(bay.interior)
+    low = from_m if from_m is not None else max(0.0, (to_m or 0.0) - each)
+    high = to_m if to_m is not None else min(reach, low + each)
     for name, value in (("--from-m", low), ("--to-m", high)):
         if not 0.0 <= value <= reach:
             raise InputError(name, f"{value:g} m", f"0 to {reach:.1f} m, the length of the bay's shortest stay")
     if high - low < 1.0:
         raise InputError("--from-m, --to-m", f"{low:g} to {high:g} m", "a stretch of at least 1 m")
     return low, high
+
+
+def choose_stretch(bridge: Bridge, bay: Bay, squad: Squad, rules: Rules) -> tuple[float, float]:
+    """Where along the interior stays to inspect [m]: about 100 m in all, the first that stances hold most of."""
+    reach, each = bay.reach, ABOUT / len(bay.interior)
+    scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
+    options = [(start, min(start + each, reach)) for start in STARTS if start + 0.5 * each < reach]
+    best = (-1.0, (0.0, min(each, reach)))
+    for option in options:
+        share = held_fraction(scene, *option)
+        if share > best[0] + 1e-9:
+            best = share, option
+        if share > 0.999:
+            break
+    return best[1]

@@ -95,7 +95,9 @@ def analyse(log: Log) -> Analysis:
     awake = ~states.stopped
     position, rotation = states.actual_position[awake], states.actual_rotation[awake]
     seen = observe(log.bay, log.squad.camera, position, rotation, request.from_m, request.to_m)
-    driven = observe_boundary(log.bay, states.actual_s, states.base_moving, request.from_m, request.to_m)
+    # Without ring cameras no base sees anything, wherever it drives.
+    seeing = states.base_moving if log.squad.base.ring_camera else np.zeros_like(states.base_moving)
+    driven = observe_boundary(log.bay, states.actual_s, seeing, request.from_m, request.to_m)
     accuracy = Accuracy.of(log)
     activity = _activity(log)
     steps = np.diff(states.time, append=states.time[-1])

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 def _sample(
     knots: Array, coefficients: Array, travel: float, speed: float, acceleration: float, out: Array, rotation: Array
 ) -> None:
-    """A cubic spline (4, n, 19) in the travel, with its time derivatives, into ``out`` (33,) and ``rotation`` (3, 3)."""
+    """A cubic spline (4, n, 19) in the travel and its time derivatives, into ``out`` (33,) and ``rotation``."""
     cell = min(max(np.searchsorted(knots, travel) - 1, 0), knots.shape[0] - 2)
     x = travel - knots[cell]
     quaternion = np.empty(4)

@@ -110,8 +110,8 @@ class Supervisor:
         duration = reference.timing.duration
         while True:
             elapsed = self.time - progress.since
-            clocked = {Phase.OPEN: 0.0, Phase.FLY: elapsed, Phase.DRIVE: elapsed}.get(progress.phase, duration)
-            setpoint = reference.at(clocked)
+            under_way = progress.phase is Phase.FLY or progress.phase is Phase.DRIVE
+            setpoint = reference.at(elapsed if under_way else 0.0 if progress.phase is Phase.OPEN else duration)
             if base is not None:
                 moving[base] = True
                 self._command.grip[base] = progress.phase in (Phase.CLOSE, Phase.VERIFY)
@@ -259,4 +259,3 @@ def planar_tension_factor(u: Array, rotation: Array, plane: Array, attachments: 
     if not independent or null.min() * null.max() <= 0.0:
         return 0.0
     return float(np.abs(null).min() / np.abs(null).max())
-

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import ctypes.util
 import io
-import os
 
-# MuJoCo chooses its OpenGL platform when it is imported; without a display only EGL can draw.
-if "MUJOCO_GL" not in os.environ and "DISPLAY" not in os.environ:
-    os.environ["MUJOCO_GL"] = "egl" if ctypes.util.find_library("EGL") else "disable"
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
 
-import mujoco  # noqa: E402
-import numpy as np  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
-from PIL import Image  # noqa: E402
-
-from steeplejack.planning.mission import Leg  # noqa: E402
-from steeplejack.runtime.recorder import Picture  # noqa: E402
-from steeplejack.simulation.plant import SquadPlant  # noqa: E402
+from steeplejack.planning.mission import Leg
+from steeplejack.runtime.recorder import Picture
+from steeplejack.simulation.engine import mujoco
+from steeplejack.simulation.plant import SquadPlant
 
 Array = NDArray[np.float64]
 
@@ -60,11 +54,21 @@ class Photographer:
         """Free the renderer."""
         self._renderer.close()
 
+    def _mark(self, points: Array, size: float) -> None:
+        """Spheres at the bases and the platform, which a wide picture would lose."""
+        scene = self._renderer.scene
+        for i, point in enumerate(points):
+            colour = np.array([0.12, 0.38, 0.62, 1.0] if i == 4 else [0.93, 0.55, 0.13, 1.0], np.float32)
+            shape = np.full(3, size)
+            kind = mujoco.mjtGeom.mjGEOM_SPHERE
+            mujoco.mjv_initGeom(scene.geoms[scene.ngeom], kind, shape, point, np.eye(3).ravel(), colour)
+            scene.ngeom += 1
+
     def _take(self, time: float, caption: str, wide: bool) -> Picture:
         truth = self._plant.truth()
         points = np.vstack([truth.exits, truth.position])
         target = points.mean(axis=0) if wide else truth.position
-        distance = 1.15 * float(np.ptp(points, axis=0).max()) if wide else 3.2
+        distance = 1.05 * float(np.linalg.norm(np.ptp(points, axis=0))) if wide else 2.4
         # From under the face, a little to the side and below, looking back at the stays.
         side = np.cross(self._normal, np.array([0.0, 0.0, 1.0]))
         eye = 0.93 * self._normal + 0.28 * side + np.array([0.0, 0.0, -0.25])
@@ -74,7 +78,12 @@ class Photographer:
         view.distance = distance
         view.azimuth = float(np.degrees(np.arctan2(-eye[1], -eye[0])))
         view.elevation = float(np.degrees(np.arcsin(-eye[2])))
+        model = self._plant.model
+        model.tendon_width[:] = 0.004 * distance
         self._renderer.update_scene(self._plant.data, view)
+        if wide:
+            self._mark(points, 0.012 * distance)
+            caption += "; marks and cables drawn larger"
         stream = io.BytesIO()
         Image.fromarray(self._renderer.render()).save(stream, "JPEG", quality=QUALITY)
         stamp = {"sec": int(time), "nsec": int(1e9 * (time % 1.0))}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +10,7 @@ from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime.plant import Command, Measurement, Truth
 from steeplejack.simulation import winch
+from steeplejack.simulation.engine import mujoco
 from steeplejack.simulation.scene import TIMESTEP, Rail, build, rail
 from steeplejack.simulation.sensors import Sensors, arc_length, sense
 

@@ -9,13 +9,14 @@ so that a slack cable cannot push.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
+from steeplejack.simulation.engine import mujoco
 
 Array = NDArray[np.float64]
 
@@ -58,13 +59,13 @@ def rail(bay: Bay, k: int, low: float, high: float) -> Rail:
     s = np.linspace(low - 1.0, high + 1.0, 41)
     local = (stay.position(s) - origin) @ axes
     fit = [
-        np.polynomial.polynomial.polyfit(a, b, RAIL_DEGREE)
+        np.asarray(np.polynomial.polynomial.polyfit(a, b, RAIL_DEGREE), float)
         for a, b in ((local[:, 0], local[:, 1]), (local[:, 0], s - reference), (s - reference, local[:, 0]))
     ]
     return Rail(origin, axes, reference, fit[0], fit[1], fit[2])
 
 
-def build(bay: Bay, squad: Squad, rails: tuple[Rail, ...], mass: float, gravity: Array) -> mujoco.MjModel:
+def build(bay: Bay, squad: Squad, rails: tuple[Rail, ...], mass: float, gravity: Array) -> Any:
     """Compile the scene for a platform of ``mass`` [kg], payload included."""
     return mujoco.MjModel.from_xml_string(_xml(bay, squad, rails, mass, gravity))
 
@@ -138,8 +139,9 @@ def _xml(bay: Bay, squad: Squad, rails: tuple[Rail, ...], mass: float, gravity: 
           integrator="Euler" cone="elliptic" iterations="20" tolerance="1e-10">
     <flag contact="disable"/>
   </option>
+  <statistic extent="20"/>
   <visual>
-    <global offwidth="1280" offheight="720"/><map znear="0.01" zfar="12"/>
+    <global offwidth="1280" offheight="720"/><map znear="0.005" zfar="40"/>
     <headlight ambient="0.45 0.45 0.45" diffuse="0.5 0.5 0.5"/><quality shadowsize="0"/>
   </visual>
   <asset>

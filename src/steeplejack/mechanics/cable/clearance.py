@@ -49,7 +49,7 @@ def polyline_distance(a: Array, b: Array, nodes: Array) -> float:
 
 
 @njit(cache=True)
-def cable_gap(anchors: Array, ends: Array, stays: Array, radii: Array, own: Array) -> tuple[float, float]:
+def cable_gap(anchors: Array, ends: Array, stays: Array, radii: Array, own: NDArray[np.int64]) -> tuple[float, float]:
     """Least gap of the cables and of the platform to the surfaces of the stays [m].
 
     Args:

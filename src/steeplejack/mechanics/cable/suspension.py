@@ -8,8 +8,8 @@ four tensions obey three force equations,
 so one parameter lambda is left (n is the null vector of the 3x4 matrix of cable directions, by cofactors), and the
 orientation follows from the moments. For given cable forces ``f_i = t_i u_i`` the potential of a rotation R is
 ``-sum_i f_i . R b_i - m g . R c``; its least value over all rotations is Wahba's problem (Markley, J. Astronautical
-Sciences 36(3), 1988). The directions u_i depend weakly on R (attachment radius over cable length), so alternating the two
-converges in a few rounds.
+Sciences 36(3), 1988). The directions u_i depend weakly on R (attachment radius over cable length), so alternating the
+two converges in a few rounds.
 
 Every function takes one pose and is compiled; shapes are for m cables: anchors (m, 3) [m], attachments (m, 3) [m] in
 the platform's frame, tensions (m,) [N], weight (3,) [N] the gravity force, centre (3,) [m] the centre of mass in the
@@ -122,7 +122,7 @@ def interval(particular: Array, null: Array, lower: Array, upper: Array) -> tupl
 
 
 @njit(cache=True)
-def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, Array]:
+def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, NDArray[np.int64]]:
     """Largest tension of each cable under linear limits, and which limit sets it.
 
     Args:
@@ -148,9 +148,10 @@ def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, Array]:
 def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: Array, guess: Array) -> Array:
     """The rotation of least potential under given cable forces: Wahba's problem, by Newton's method on the rotations.
 
-    With ``M = sum_i f_i b_i^T + w c^T`` and ``S = M R^T`` the moment left over is the axial vector of ``S - S^T`` and the
-    Hessian is ``tr(S) I - (S + S^T) / 2``. The potential has one minimum over the rotations, one maximum and two saddles
-    for a general M, so a minimum found is the minimum; where the Hessian is not positive the step follows the moment.
+    With ``M = sum_i f_i b_i^T + w c^T`` and ``S = M R^T`` the moment left over is the axial vector of ``S - S^T`` and
+    the Hessian is ``tr(S) I - (S + S^T) / 2``. The potential has one minimum over the rotations, one maximum and two
+    saddles for a general M, so a minimum found is the minimum; where the Hessian is not positive the step follows the
+    moment.
 
     Args:
         forces: Cable forces on the platform (m, 3) [N], world frame.

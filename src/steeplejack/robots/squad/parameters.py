@@ -72,6 +72,7 @@ class Base(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     stay_diameter: Window
     max_inclination: Positive
     encoder_step: Positive
+    ring_camera: bool
     odometry_drift: NonNegative
 
 
@@ -175,7 +176,7 @@ def load_squad(robot: str | Path = BUILT_IN) -> Squad:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
     if str(robot) == BUILT_IN:
-        text = files(__package__).joinpath("ccrobot_s.toml").read_bytes()
+        text = files("steeplejack.robots.squad").joinpath("ccrobot_s.toml").read_bytes()
     else:
         try:
             text = Path(robot).read_bytes()
