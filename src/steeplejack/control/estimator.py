@@ -61,8 +61,8 @@ def observe(
 
     Tensions follow from motor pull, friction and the rotor's momentum,
     ``tau dt_hat/dt = F + friction + m_r dv/dt - t_hat``, without differentiating the rate v: the momentum enters
-    through ``t_hat = z + m_r v / tau``. Stretch is compensated by the planned tension plus its slowly filtered difference to
-    the measured one.
+    through ``t_hat = z + m_r v / tau``. Stretch is compensated by the planned tension plus its slowly filtered
+    difference to the measured one.
 
     Args:
         pull: Motor pulls at the cable (4,) [N].
@@ -161,7 +161,7 @@ def estimate(
     right = np.empty((6, 2))
     right[:, 0] = rows.T @ errors
     right[:, 1] = rows.T @ speeds
-    solution: Array = np.linalg.solve(normal, right)
+    solution: Array = np.linalg.solve(normal, right)  # pyright: ignore[reportAssignmentType]
     step: Array = solution[:, 0].copy()
     velocity: Array = solution[:, 1].copy()
     return position + step[3:], turned(step[:3], rotation), velocity, float(np.sqrt(square / 4.0))

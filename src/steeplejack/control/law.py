@@ -2,10 +2,10 @@
 
 Pose error and wrench use one structure matrix G (3x4: two forces in the plane, the moment about its normal) at the
 reference: lengths give the error by least squares, ``e = -(G G^T)^-1 G (l - l_d)``, and the wrench
-``w = -K e - D de/dt`` is spread with the least change of tension, ``G^T (G G^T)^-1 w``. From length to tension that is ``-P K P^T`` with
-``P = G^T (G G^T)^-1``: symmetric, so at the winches the controller is a passive spring and damper whatever the gains.
-Any other way from lengths to pose, such as the full estimate with its balance of moments, lets motions out of the plane
-leak into the wrench and can drive the yaw and tilt modes.
+``w = -K e - D de/dt`` is spread with the least change of tension, ``G^T (G G^T)^-1 w``. From length to tension that is
+``-P K P^T`` with ``P = G^T (G G^T)^-1``: symmetric, so at the winches the controller is a passive spring and damper
+whatever the gains. Any other way from lengths to pose, such as the full estimate with its balance of moments, lets
+motions out of the plane leak into the wrench and can drive the yaw and tilt modes.
 """
 
 from __future__ import annotations
