@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 
 # Set up and run the main job: plan, simulate and report the inspection of a bay of a real-sized bridge.
 inspect: $(VENV)/ready
-	$(BIN)/steeplejack inspect ecs620-like --fan T1L-main --stays 5:9 --out out
+	$(BIN)/steeplejack inspect ecs620-like --fan T1L-main --stays 5:9 --from-m 20 --to-m 53.3 --out out
 
 # What CI runs: style, types, layering, tests, the docs page.
 test: $(VENV)/ready-dev

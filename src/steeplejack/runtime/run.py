@@ -140,6 +140,10 @@ class Supervisor:
     def _step(self, state: State, setpoint: Setpoint, moving: Flags, driven: Flags) -> tuple[State, Measurement, str]:
         """Measure, control, check, command, advance; the breach in words, or nothing."""
         measured = self._plant.measure()
+        if not np.isfinite(measured.values).all():
+            # Nothing can be computed from such a reading; the squad stops on what it knew before.
+            self._steps += 1
+            return state, measured, BREACHES[1]
         state, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
         self._status, self._residual = output.status, output.residual
         code, where = check(
@@ -229,7 +233,7 @@ class Supervisor:
             margin.tolist(),
             planar_tension_factor(u, state.rotation, setpoint.rotation, self._attachments),
             setpoint.s.tolist(),
-            measured.s.tolist(),
+            np.where(np.isfinite(measured.s), measured.s, setpoint.s).tolist(),  # JSON has no word for NaN
             s.tolist(),
             state.exits.tolist(),
             exits.tolist(),

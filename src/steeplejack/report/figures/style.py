@@ -68,15 +68,19 @@ def canvas(height: float) -> Generator[Figure]:
 
 
 def svg(figure: Figure, name: str) -> str:
-    """A figure as one SVG element whose ids begin with ``name``, so that several can stand in one page."""
+    """A figure as one SVG element whose ids are ``name`` and a number, so that several can stand in one page.
+
+    Numbered in the order they appear: the ids matplotlib draws from addresses in memory differ from run to run.
+    """
     stream = StringIO()
     nothing = {"Date": None, "Creator": None, "Format": None, "Type": None}
     figure.savefig(stream, format="svg", bbox_inches="tight", pad_inches=0.05, metadata=nothing)
     text = stream.getvalue()
     text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
-    text = re.sub(r'\bid="', f'id="{name}-', text)
-    text = re.sub(r'href="#', f'href="#{name}-', text)
-    return re.sub(r"url\(#", f"url(#{name}-", text)
+    numbers = {old: f"{name}-{i}" for i, old in enumerate(dict.fromkeys(re.findall(r'\bid="([^"]+)"', text)))}
+    text = re.sub(r'\bid="([^"]+)"', lambda m: f'id="{numbers[m[1]]}"', text)
+    text = re.sub(r'href="#([^"]+)"', lambda m: f'href="#{numbers[m[1]]}"', text)
+    return re.sub(r"url\(#([^)]+)\)", lambda m: f"url(#{numbers[m[1]]})", text)
 
 
 def thin(x: Array, y: Array, most: int = MOST) -> tuple[Array, Array]:
