@@ -6,27 +6,10 @@ import numpy as np
 import pytest
 
 from steeplejack.planning import Mission, Request, Rules, Scene, plan
-from steeplejack.robots.squad import Bay, Squad, load_squad
-from steeplejack.worksite import Bridge, load_worksite
+from steeplejack.robots.squad import Bay, Squad
+from steeplejack.worksite import Bridge
 
 WINDOW = (20.0, 250.0)
-
-
-@pytest.fixture(scope="session")
-def squad() -> Squad:
-    return load_squad()
-
-
-@pytest.fixture(scope="session")
-def bridge() -> Bridge:
-    site = load_worksite("ecs620-like")
-    assert isinstance(site, Bridge)
-    return site
-
-
-@pytest.fixture(scope="session")
-def bay(bridge: Bridge, squad: Squad) -> Bay:
-    return Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad)
 
 
 @pytest.fixture(scope="session")
