@@ -145,3 +145,21 @@ def test_energy_is_kept_without_friction_drag_or_damping(case) -> None:
         mujoco.mj_forward(plant.model, plant.data)
         worst = max(worst, abs(energy() - first))
     assert worst < 0.02 * kinetic
+
+
+def test_a_stop_in_the_middle_of_a_drive_holds_the_open_base(case) -> None:
+    """Palms open, base under way at speed: brakes of winches and wheels stop it within centimetres, no cable slack."""
+    leg = next(i for i, leg in enumerate(case.mission.legs) if leg.kind == "drive")
+    base = case.mission.legs[leg].base - 1
+    plant = case.plant(leg, len(case.mission.legs[leg].waypoints) // 2)
+    plant.palm[base] = 0.0
+    plant._set_friction()
+    plant.data.qvel[plant._along_dof[base]] = case.squad.motion.drive_speed
+    before = plant.s
+    stop = parked(plant)
+    stop.wheel_brake[:] = True
+    plant.apply(stop)
+    plant.extremes()
+    plant.advance(12000)
+    assert np.abs(plant.s - before).max() < 0.15
+    assert plant.extremes()[0].min() > 0.0

@@ -1,4 +1,4 @@
-"""The command line: composes the rooms into commands. Names, keys and exit codes are a contract, see docs/cli.md."""
+"""The command line: composes the rooms into commands. Names, keys and exit codes are a contract for scripts."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def inspect(
         bool, typer.Option("--accept-unknown", help="Assume what the bridge's data lack.")
     ] = False,
     robot: Robot = BUILT_IN,
-    seed: Annotated[int, typer.Option(help="Of the sensors' noise and drift.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the sensors' noise and drift.")] = 0,
     pictures: Annotated[bool, typer.Option(help="Render pictures of the squad at work into the log.")] = True,
     out: Out = Path("out"),
     json: Json = False,

@@ -54,8 +54,8 @@ def _anchors(path: Path) -> list[list[float]]:
         points = [[float(value) for value in row] for row in rows]
     except (OSError, ValueError, UnicodeDecodeError) as error:
         raise InputError(f"--anchors {path}", str(error), "a text file of four lines X Y in metres") from None
-    if [len(point) for point in points] != [2, 2, 2, 2]:
-        raise InputError(f"--anchors {path}", f"{len(points)} lines", "four lines X Y in metres")
+    if [len(point) for point in points] != [2, 2, 2, 2] or not np.isfinite(points).all():
+        raise InputError(f"--anchors {path}", f"{len(points)} lines", "four lines X Y of finite metres")
     return points
 
 

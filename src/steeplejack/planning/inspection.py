@@ -127,9 +127,6 @@ def _advance(
     scene: Scene, lattice: Lattice, state: _Progress, stance: Stance, wanted: Flags
 ) -> tuple[_Progress, Flags] | None:
     """Move the squad to a stance and inspect from it; None when the squad cannot get there."""
-    anchors, pull = scene.anchors(np.array(stance.s), np.array(stance.clock))
-    held, good = lattice.held(scene, anchors, pull)
-    room = held.quality[:, 0].reshape(lattice.shape)
     legs: list[Leg] = []
     place, number = state.place, state.number
     if state.stance is not None and place is not None:
@@ -142,7 +139,11 @@ def _advance(
             legs += [_flight(scene, drive.before, piece, number, "fly", None) for piece in drive.flight]
             legs.append(_driving(scene, drive, number))
             place = drive.park
-        stance = replace(stance, clock=_tuple(drives[-1].clock[-1])) if drives else stance
+        # A base that did not drive keeps its clock angle, whatever the search gave it.
+        stance = replace(stance, clock=_tuple(drives[-1].clock[-1])) if drives else state.stance
+    anchors, pull = scene.anchors(np.array(stance.s), np.array(stance.clock))
+    held, good = lattice.held(scene, anchors, pull)
+    room = held.quality[:, 0].reshape(lattice.shape)
     seen = np.zeros_like(wanted)
     for row, first, last, places in _visits(scene, lattice, room, good, wanted, place):
         k = scene.bay.interior[row]

@@ -18,6 +18,7 @@ ACROSS_STEP = 0.25  # [stays] between neighbours across the bay
 ALONG_STEP = 0.5  # [m] between stations along a stay, for inspection
 OFF_STEP = 0.05  # [m] between levels of stand-off, for inspection
 BEYOND_CAMERA = 0.8  # [m] past the camera's range that the platform may use when it does not inspect
+SWING = 0.05  # [m] kept from both ends of the camera's range: off the face the platform hangs and swings
 SAMPLE = 0.25  # [m] between certified poses of a leg
 
 
@@ -64,10 +65,10 @@ class Lattice:
 
 
 def visible_levels(scene: Scene, lattice: Lattice, k: int) -> Flags:
-    """Levels of the lattice within the camera's range of stay ``k``."""
+    """Levels of the lattice within the camera's range of stay ``k``, less what the platform swings."""
     near, far = scene.squad.camera.stand_off
     surface = lattice.d - scene.bay.radius(k)
-    return (surface >= near - 1e-9) & (surface <= far + 1e-9)
+    return (surface >= near + SWING - 1e-9) & (surface <= far - SWING + 1e-9)
 
 
 def profile_along(room: Array, good: Flags, levels: Array, preferred: float) -> tuple[NDArray[np.int64], Flags]:

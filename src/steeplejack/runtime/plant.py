@@ -43,6 +43,7 @@ class Command:
     turn: Array = field(default_factory=_four)  # [rad/s] of the base about the stay, while its palms are open
     grip: Flags = field(default_factory=_flags)  # close the palms
     brake: Flags = field(default_factory=_flags)  # close the winch brakes
+    wheel_brake: Flags = field(default_factory=_flags)  # close the brakes of the wheels
 
 
 @dataclass(frozen=True)

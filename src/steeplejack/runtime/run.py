@@ -170,9 +170,9 @@ class Supervisor:
         return state, measured, ""
 
     def _stop(self, index: int, reference: LegReference, state: State, setpoint: Setpoint, why: str) -> None:
-        """Brakes on, palms closed, wheels off: hold there, and keep recording for a while."""
+        """Brakes of winches and wheels on, palms closing: hold there, and keep recording for a while."""
         self._recorder.note(self.time, why, "breach")
-        self._command.brake[:], self._command.grip[:] = True, True
+        self._command.brake[:], self._command.wheel_brake[:], self._command.grip[:] = True, True, True
         self._command.drive, self._command.turn = np.zeros(4), np.zeros(4)
         self._command.pull = np.zeros(4)
         self._plant.apply(self._command)

@@ -103,12 +103,16 @@ class SquadPlant:
     def _set_friction(self) -> None:
         """What the palms can hold follows their preload; open palms leave the wheels' traction and nothing else."""
         base, share = self.squad.base, self.palm / self.squad.gripper.force
-        self.model.dof_frictionloss[self._along_dof] = base.hold_force * share
+        # Palms and wheel brake share the load; the better of the two is what a base can count on.
+        wheels = np.where(self._command.wheel_brake, base.wheel_brake, 0.0)
+        self.model.dof_frictionloss[self._along_dof] = np.maximum(base.hold_force * share, wheels)
         self.model.dof_frictionloss[self._turn_dof] = base.twist_torque * share
 
     def apply(self, command: Command) -> None:
         """Take over a command."""
         self._command = command
+        if command.wheel_brake.any():
+            self._set_friction()
 
     def advance(self, steps: int) -> None:
         """Advance the physics."""

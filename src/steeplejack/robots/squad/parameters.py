@@ -72,6 +72,7 @@ class Base(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     stay_diameter: Window
     max_inclination: Positive
     encoder_step: Positive
+    wheel_brake: NonNegative
     ring_camera: bool
     odometry_drift: NonNegative
 
