@@ -97,6 +97,7 @@ LIES = {
     "a base that runs away": (("s_rate", 3, -3.0), "base faster than its limit (4)"),
     "a gripped base that creeps": (("s_rate", 0, 0.05), "grip lost: a base that should stand moves (1)"),
     "a cable far too tight": (("pull", 0, 5e3), "working window"),
+    "palms that let go of a standing base": (("palm", 2, 100.0), "palms of base 3"),
     "a current that is not a number": (("pull", 2, np.nan), "not a number"),
     "a wheel that is not a number": (("s", 1, np.nan), "not a number"),
 }

@@ -15,7 +15,7 @@ from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime import recorder as log
-from steeplejack.runtime.gait import TRANSITIONS, Phase, Progress, judge
+from steeplejack.runtime.gait import HELD, TRANSITIONS, Phase, Progress, judge
 from steeplejack.runtime.plant import Command, Measurement, Plant
 from steeplejack.runtime.reference import LegReference
 from steeplejack.safety import BREACHES, Limits, check
@@ -144,6 +144,10 @@ class Supervisor:
             # Nothing can be computed from such a reading; the squad stops on what it knew before.
             self._steps += 1
             return state, measured, BREACHES[1]
+        loose = ~moving & (measured.palm < HELD * self._squad.gripper.force)
+        if loose.any():
+            self._steps += 1
+            return state, measured, f"grip lost: palms of base {int(np.argmax(loose)) + 1} read below their preload"
         state, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
         self._status, self._residual = output.status, output.residual
         code, where = check(
