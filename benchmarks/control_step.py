@@ -18,7 +18,7 @@ from steeplejack.robots.squad import Bay, load_squad
 from steeplejack.runtime.plant import Command
 from steeplejack.runtime.reference import LegReference
 from steeplejack.runtime.run import CONTROL_STEP
-from steeplejack.safety import Limits, check
+from steeplejack.safety import Monitor
 from steeplejack.simulation import Session
 from steeplejack.worksite import Bridge, load_worksite
 
@@ -36,33 +36,24 @@ def measure() -> np.ndarray:
     mission = plan(Scene.of(bay, squad, rules, gravity), request, (), lambda _done: None)
     plant = Session(mission, bridge, bay, squad, verdicts(bridge, squad)).plant()
     controller = PlatformController(bay, squad, squad.platform.mass, gravity, rules.tension)
-    limits, attachments = Limits.of(squad, rules.tension), np.array(squad.platform.attachments)
+    monitor = Monitor(bay, squad, rules.tension)
     reference, none = LegReference.of(mission.legs[0]), np.zeros(4, bool)
     command = Command(np.zeros(4), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
     state = controller.begin(reference.at(0.0), plant.measure().values)
+    watch = monitor.begin(reference.at(0.0).tension)
     times = np.empty(STEPS)
     for k in range(STEPS):
         reading = plant.measure()
         setpoint = reference.at(k * CONTROL_STEP)
         began = time.perf_counter()
         state, output = controller.step(state, setpoint, reading.values, none, CONTROL_STEP)
-        code, _where = check(
-            output.pull,
-            state.tension,
-            reading.pay_rate,
-            reading.s_rate,
-            none,
-            state.exits,
-            state.tangents,
-            attachments,
-            state.position,
-            state.rotation,
-            setpoint.position,
-            limits,
+        verdict = monitor.step(
+            watch, reading.values, output.command, none, setpoint.position, setpoint.rotation, CONTROL_STEP
         )
+        watch = verdict.state
         times[k] = 1e6 * (time.perf_counter() - began)
-        assert code == 0
-        command.pull = output.pull
+        assert verdict.code == 0
+        command.pull = output.command[0]
         plant.apply(command)
         plant.advance(round(CONTROL_STEP / plant.step))
     return times[100:]  # the first steps compile or load the kernels

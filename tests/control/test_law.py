@@ -118,16 +118,3 @@ def test_observer_settles_on_the_tension_and_ignores_rotor_inertia() -> None:
             np.full(4, motor), np.full(4, rate), np.full(4, 20.0), np.full(4, 110.0), momentum, offset, constants, dt
         )
     assert np.allclose(seen, tension, atol=0.2)
-
-
-def test_winch_exits_follow_the_tables() -> None:
-    s = np.arange(30.0)
-    table = np.zeros((4, 30, 12))
-    table[..., 0], table[..., 3], table[..., 8], table[..., 10] = s, 1.0, 1.0, -1.0
-    points, tangents = estimator.winch_exits(
-        table, 1.0, 0.2, np.array([3.25, 7.0, 10.5, 28.9]), np.array([0, 0.5, 1, 2.0])
-    )
-    assert np.allclose(points[:, 0], [3.25, 7.0, 10.5, 28.9])
-    assert np.allclose(points[:, 2], 0.2 * np.cos([0, 0.5, 1, 2.0]))
-    assert np.allclose(points[:, 1], -0.2 * np.sin([0, 0.5, 1, 2.0]))
-    assert np.allclose(tangents, [1.0, 0.0, 0.0])

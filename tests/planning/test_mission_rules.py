@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from statics import Pose, poses, potential_hessian
 
-from steeplejack.planning import Mission, Rules
-from steeplejack.robots.squad import Squad
+from steeplejack.planning import Mission, Request, Rules, Scene, inspection, plan
+from steeplejack.planning.certificate import hold, meets
+from steeplejack.robots.squad import Bay, Squad
 from steeplejack.worksite import Bridge
 
 RULES = Rules(tension=(20.0, 250.0))
@@ -195,3 +197,21 @@ def test_shared_stay_order(mission: Mission) -> None:
         for point in leg.waypoints:
             s = point.base_s_m
             assert s[0] < s[3] and s[1] < s[2]
+
+
+def test_a_run_is_certified_as_it_is_flown(
+    bridge: Bridge, bay: Bay, squad: Squad, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However strongly the stand-off is smoothed, what leaves the certified set is not planned smoothed."""
+    monkeypatch.setattr(inspection, "SMOOTHING", 61)
+    rules = replace(RULES, payload=12.0)
+    scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
+    request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 42.0, "under", 12.0, rules.tension)
+    heavy = plan(scene, request, (), lambda _done: None)
+    flown = [leg for leg in heavy.legs if leg.kind == "inspect"]
+    assert flown
+    for leg in flown:
+        first = leg.waypoints[0]
+        anchors, pull = scene.anchors(np.array(first.base_s_m), np.radians(first.base_clock_deg))
+        held = hold(scene, anchors, pull, np.array([point.place for point in leg.waypoints]))
+        assert meets(scene, held.quality, 1e-3).all()

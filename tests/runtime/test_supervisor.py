@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from steeplejack.errors import SteeplejackError
+from steeplejack.errors import InputError, SteeplejackError
 from steeplejack.planning import Mission
 from steeplejack.robots.squad import Bay, Squad
 from steeplejack.robots.squad.anchorage import exits
@@ -48,7 +48,7 @@ class Still:
 
     def apply(self, command: Command) -> None:
         """Keep the command."""
-        fields = (command.pull, command.drive, command.turn, command.grip, command.brake)
+        fields = (command.pull, command.drive, command.turn, command.grip, command.brake, command.wheel_brake)
         self.commands.append(Command(*(field.copy() for field in fields)))
 
     def advance(self, steps: int) -> None:
@@ -94,10 +94,11 @@ def test_steps_that_divide_do_not(
 
 LIES = {
     "a winch that runs away": (("pay_rate", 1, 3.0), "(2)"),
-    "a base that runs away": (("s_rate", 3, -3.0), "base faster than its limit (4)"),
+    "a base that runs away": (("s_rate", 3, -3.0), "a base that should stand moves (4)"),
     "a gripped base that creeps": (("s_rate", 0, 0.05), "grip lost: a base that should stand moves (1)"),
     "a cable far too tight": (("pull", 0, 5e3), "working window"),
-    "palms that let go of a standing base": (("palm", 2, 100.0), "palms of base 3"),
+    "a winch that has lost count": (("paid", 0, 1.0), "fence"),
+    "palms that let go of a standing base": (("palm", 2, 100.0), "palms of a base that should stand read below their preload (3)"),
     "a current that is not a number": (("pull", 2, np.nan), "not a number"),
     "a wheel that is not a number": (("s", 1, np.nan), "not a number"),
 }
@@ -124,10 +125,36 @@ def test_a_breach_ends_on_the_brakes(
     for command in plant.commands[:-1]:
         assert np.isfinite(command.pull).all()
         assert not command.brake.any()
-    # On the brakes it is watched for three more seconds.
+    # On the brakes it is watched until the palms had time to close, and a second more.
     assert plant.advanced * plant.step == pytest.approx(result.duration, abs=2e-3)
-    assert 3.0 < result.duration < 3.6
+    settle = squad.gripper.close_time + 1.0
+    assert settle < result.duration < settle + 0.6
     with path.open("rb") as file:
         found = [msgspec.json.decode(m.data, type=Event) for _s, _c, m in make_reader(file).iter_messages(["/event"])]
     assert [event.kind for event in found] == ["phase", "breach", "stop"]
     assert found[1].text == result.faults[0]
+    loose = "palms that let go" in name
+    assert found[2].text == ("stopped on brakes, " + ("palms of base 3 not closed" if loose else "palms closed"))
+
+
+def test_the_operator_stops_it(mission: Mission, bridge: Bridge, bay: Bay, squad: Squad, tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "run.mcap")
+    plant = Still(mission, bay, squad, 5e-4)
+    gravity = np.array(bridge.gravity)
+    made = Supervisor(
+        mission, bay, squad, plant, gravity, recorder, asked_to_stop=lambda: plant.advanced * plant.step > 0.2
+    )
+    result = made.run(lambda _time: None)
+    recorder.close()
+    assert (result.completed, result.faults) == (False, ("interrupted by the operator",))
+    assert plant.commands[-1].brake.all() and plant.commands[-1].wheel_brake.all()
+
+
+def test_a_mission_edited_since_planning_does_not_run(
+    mission: Mission, bridge: Bridge, bay: Bay, squad: Squad, tmp_path: Path
+) -> None:
+    edited = msgspec.structs.replace(mission, reserve=0.0)
+    recorder = Recorder(tmp_path / "run.mcap")
+    with pytest.raises(InputError, match="sha256"):
+        Supervisor(edited, bay, squad, Still(mission, bay, squad), np.array(bridge.gravity), recorder)
+    recorder.close()

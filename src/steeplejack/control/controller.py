@@ -19,15 +19,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.control.estimator import estimate, observe, winch_exits
+from steeplejack.control.estimator import estimate, observe
 from steeplejack.control.law import law
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
+from steeplejack.robots.squad.rails import RAIL_STEP, tabulate, winch_exits
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-RAIL_STEP = 1.0  # [m] between tabulated places on a stay; the arc between them is off its chord by 20 um at R = 6 km
 STATE_SIZE = 54
 
 
@@ -88,9 +88,7 @@ class State:
 class Output(NamedTuple):
     """What one step asks for, and how it went."""
 
-    pull: Array  # (4,) [N] winch motor pulls at the cable
-    drive: Array  # (4,) [N] wheel tractions along the stays
-    turn: Array  # (4,) [rad/s] of bases about their stays
+    command: Array  # (3, 4): winch motor pulls at the cable [N], wheel tractions [N], turning rates of bases [rad/s]
     status: int  # how much of the wrench the bounds let through, see ``control.allocation``
     residual: float  # [m] root mean square of what the cable lengths leave unexplained
 
@@ -180,7 +178,7 @@ class PlatformController:
     def __init__(self, bay: Bay, squad: Squad, mass: float, gravity: Array, tension: tuple[float, float]) -> None:
         gains, winch = squad.controller, squad.winch
         reflected = winch.rotor_inertia * (winch.ratio / winch.drum_radius) ** 2
-        self._rails = _tabulate(bay)
+        self._rails = tabulate(bay)
         self._machine = (
             self._rails,
             squad.base.exit_offset,
@@ -203,6 +201,7 @@ class PlatformController:
                     squad.base.mass,
                     winch.friction,
                     reflected,
+                    squad.base.max_turn_rate,
                 ]
             ),
             np.array([*tension, squad.base.hold_force, squad.base.drive_force]),
@@ -244,16 +243,4 @@ class PlatformController:
             after,
             out,
         )
-        return State(after), Output(out[0], out[1], out[2], status, left)
-
-
-def _tabulate(bay: Bay) -> Array:
-    """Every base's stay at steps of RAIL_STEP (4, n, 12): point, tangent, directions of 12 and 3 o'clock."""
-    count = max(int(np.ceil(bay.stays[k].length / RAIL_STEP)) for k in bay.carriers) + 1
-    out = np.empty((4, count, 12))
-    for i, k in enumerate(bay.carriers):
-        stay = bay.stays[k]
-        s = np.minimum(np.arange(count) * RAIL_STEP, stay.length)
-        twelve, three = stay.clock_frame(s)
-        out[i] = np.hstack([stay.position(s), stay.tangent(s), twelve, three])
-    return out
+        return State(after), Output(out, status, left)

@@ -24,29 +24,6 @@ FRICTION_RATE = 0.005  # [m/s] of winch rate over which Coulomb friction changes
 
 
 @njit(cache=True)
-def winch_exits(rails: Array, step: float, offset: float, s: Array, clock: Array) -> tuple[Array, Array]:
-    """Winch exits and stay tangents (4, 3) of bases at ``s`` [m] and ``clock`` [rad] from tabulated stays.
-
-    Args:
-        rails: For each base its stay every ``step`` metres (4, n, 12): point [m], tangent, directions of 12 and 3.
-        step: Spacing of the table [m].
-        offset: Winch exit off the axis [m].
-        s: Base positions (4,) [m].
-        clock: Clock angles (4,) [rad].
-    """
-    points, tangents = np.empty((4, 3)), np.empty((4, 3))
-    for i in range(4):
-        cell = min(max(int(s[i] / step), 0), rails.shape[1] - 2)
-        share = s[i] / step - cell
-        cosine, sine = offset * np.cos(clock[i]), offset * np.sin(clock[i])
-        for k in range(3):
-            at = rails[i, cell, k] + share * (rails[i, cell + 1, k] - rails[i, cell, k])
-            tangents[i, k] = rails[i, cell, 3 + k] + share * (rails[i, cell + 1, 3 + k] - rails[i, cell, 3 + k])
-            points[i, k] = at + cosine * rails[i, cell, 6 + k] + sine * rails[i, cell, 9 + k]
-    return points, tangents
-
-
-@njit(cache=True)
 def observe(
     pull: Array,
     pay_rate: Array,

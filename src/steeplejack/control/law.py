@@ -101,7 +101,8 @@ def law(
         moving: Bases with open palms (4,).
         mass: Platform and payload [kg].
         gains: Stiffness, damping [N/m, N s/m], the same about the normal [N m/rad, N m s/rad], stiffness and damping of
-            a base [N/m, N s/m], its mass [kg], winch friction [N], reflected rotor mass [kg].
+            a base [N/m, N s/m], its mass [kg], winch friction [N], reflected rotor mass [kg], largest turning rate of a
+            base [rad/s].
         window: Least and largest tension [N], largest pull along the stay gripped and driving [N].
     """
     u, wanted_lengths = directions(exits, attachments, goal, goal_rotation)
@@ -133,11 +134,13 @@ def law(
         second = goal_seconds[i] + along[i] * bases[2, i]
         pull[i] = wanted[i] - gains[7] * np.tanh(rate / SLOW) - gains[8] * second
         if moving[i]:
-            drive[i] = (
+            traction = (
                 gains[6] * bases[2, i]
                 + gains[4] * (bases[0, i] - bases[5, i])
                 + gains[5] * (bases[1, i] - bases[6, i])
                 + tension[i] * along[i]
             )
-            turn[i] = bases[4, i] + TURN_RATE * (bases[3, i] - bases[7, i])
+            drive[i] = min(max(traction, -window[3]), window[3])
+            rate = bases[4, i] + TURN_RATE * (bases[3, i] - bases[7, i])
+            turn[i] = min(max(rate, -gains[9]), gains[9])
     return pull, drive, turn, status

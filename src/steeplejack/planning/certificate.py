@@ -233,11 +233,15 @@ def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array
         scene.radii,
         scene.own,
     )
-    gap = scene.rules.cable_clearance
-    good = (quality[:, 0] >= 0.0) & (quality[:, 1] > 0.0)
-    good &= (quality[:, 2] >= gap) & (quality[:, 3] >= scene.squad.platform.clearance)
-    good &= quality[:, 4] <= scene.squad.winch.stored_length
-    return Held(rotation, tension, quality, good)
+    return Held(rotation, tension, quality, meets(scene, quality))
+
+
+def meets(scene: Scene, quality: Array, hair: float = 0.0) -> NDArray[np.bool_]:
+    """Whether each row of :func:`certify`'s quality meets every limit, give or take a ``hair`` [N or m]."""
+    good = (quality[:, 0] >= -hair) & (quality[:, 1] > 0.0)
+    good &= quality[:, 2] >= scene.rules.cable_clearance - hair
+    good &= quality[:, 3] >= scene.squad.platform.clearance - hair
+    return good & (quality[:, 4] <= scene.squad.winch.stored_length + hair)
 
 
 def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:

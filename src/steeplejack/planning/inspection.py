@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from steeplejack.errors import InfeasibleError
-from steeplejack.planning.certificate import Scene, hold
+from steeplejack.planning.certificate import Scene, hold, meets
 from steeplejack.planning.lattice import SAMPLE, Lattice, profile_along, runs, visible_levels
 from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered, Waypoint
 from steeplejack.planning.moves import Drive, fly, squad_move
@@ -26,6 +26,11 @@ LEAST_GAIN = 1.0  # [m] of stay a further stance must add
 BRACED = 0.5  # [N] of jump in a planned tension above which a brace is inserted
 BRACE_SAMPLE = 5.0  # [N] between the equilibria of a brace
 BRACE_SPEED = 20.0  # [N/s] and [N/s2], estimate: a tenth of the winch's pull a second
+ROUNDING = (
+    1e-3  # [m or N] by which a waypoint may miss what was certified: tensions and angles are rounded in a mission
+)
+TURNING = 0.7  # [1] share of a base's turning rate that a plan uses
+AROUND = 25.0  # [m] of stay beyond the outermost base that clearances are checked against
 SMOOTHING = 5  # stations over which the stand-off is averaged, twice
 
 
@@ -56,7 +61,7 @@ def plan(scene: Scene, request: Request, assumed: tuple[str, ...], step: Callabl
     uncovered: list[Uncovered] = []
     cells = _cells(request.from_m, request.to_m, scene.rules.cell_length)
     for done, (low, high) in enumerate(cells):
-        local = scene.around(max(0.0, low + min(LOWER) - 25.0), high + max(UPPER))
+        local = scene.around(*_surroundings(low, high, state))
         lattice = Lattice.over(local, low, high)
         wanted = _wanted(local, lattice)
         left = wanted.copy()
@@ -94,7 +99,7 @@ def held_fraction(scene: Scene, low: float, high: float) -> float:
     """Share of [low, high] on the interior stays that the best stance of each cell holds, moves aside."""
     held, wanted = 0, 0
     for a, b in _cells(low, high, scene.rules.cell_length):
-        local = scene.around(max(0.0, a + min(LOWER) - 25.0), b + max(UPPER))
+        local = scene.around(*_surroundings(a, b, None))
         lattice = Lattice.over(local, a, b)
         cell = Cell(a, b, _wanted(local, lattice))
         found = find(local, cell, lattice)
@@ -106,6 +111,17 @@ def held_fraction(scene: Scene, low: float, high: float) -> float:
 def _cells(low: float, high: float, length: float) -> list[tuple[float, float]]:
     edges = np.linspace(low, high, max(1, int(np.ceil((high - low) / length - 1e-9))) + 1)
     return [(float(a), float(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+def _surroundings(low: float, high: float, state: _Progress | None) -> tuple[float, float]:
+    """The stretch of the stays that cables and platform may come near to while the squad moves to a cell and works it.
+
+    Bases stand at most the search's offsets from the cell, or still where the last stance left them.
+    """
+    ends = [low + min(LOWER), high + max(UPPER)]
+    if state is not None and state.stance is not None and state.place is not None:
+        ends += [*state.stance.s, float(state.place[1])]
+    return max(0.0, min(ends) - AROUND), max(ends) + AROUND
 
 
 def _spacing(lattice: Lattice) -> float:
@@ -145,7 +161,7 @@ def _advance(
     held, good = lattice.held(scene, anchors, pull)
     room = held.quality[:, 0].reshape(lattice.shape)
     seen = np.zeros_like(wanted)
-    for row, first, last, places in _visits(scene, lattice, room, good, wanted, place):
+    for row, first, last, places in _visits(scene, lattice, (anchors, pull), room, good, wanted, place):
         k = scene.bay.interior[row]
         if place is not None:
             pieces = fly(scene, lattice, stance, place, places[0])
@@ -159,7 +175,13 @@ def _advance(
 
 
 def _visits(
-    scene: Scene, lattice: Lattice, room: Array, good: Flags, wanted: Flags, place: Array | None
+    scene: Scene,
+    lattice: Lattice,
+    stance: tuple[Array, Array],
+    room: Array,
+    good: Flags,
+    wanted: Flags,
+    place: Array | None,
 ) -> list[tuple[int, int, int, Array]]:
     """Runs (row, first, last station, places) in zigzag order from the corner nearest to the platform."""
     rows = list(range(len(scene.bay.interior)))
@@ -170,7 +192,7 @@ def _visits(
             rows.reverse()
     out: list[tuple[int, int, int, Array]] = []
     for row in rows:
-        found = _stay_runs(scene, lattice, room, good, wanted[row], row)
+        found = _stay_runs(scene, lattice, stance, room, good, wanted[row], row)
         for first, last, places in found if up else found[::-1]:
             out.append((row, first, last, places if up else places[::-1]))
         up = up != bool(found)
@@ -178,9 +200,19 @@ def _visits(
 
 
 def _stay_runs(
-    scene: Scene, lattice: Lattice, room: Array, good: Flags, wanted: Flags, row: int
+    scene: Scene,
+    lattice: Lattice,
+    stance: tuple[Array, Array],
+    room: Array,
+    good: Flags,
+    wanted: Flags,
+    row: int,
 ) -> list[tuple[int, int, Array]]:
-    """Certified runs (first, last station, places) along one interior stay."""
+    """Certified runs (first, last station, places) along one interior stay.
+
+    Stations are certified on the lattice; the run between them, stand-off smoothed, is certified again as it will be
+    flown, and cut where that fails.
+    """
     k = scene.bay.interior[row]
     node = int(np.argmin(np.abs(lattice.eta - k)))
     visible = good[node] & visible_levels(scene, lattice, k)[None, :]
@@ -190,15 +222,38 @@ def _stay_runs(
     jump = np.concatenate([[False], np.abs(np.diff(level)) > 2])
     out: list[tuple[int, int, Array]] = []
     for first, last in runs(reached & wanted, jump):
-        if last > first:
-            out.append((first, last, _smooth(scene, lattice, float(k), slice(first, last + 1), level)))
+        out += _certified(scene, lattice, stance, float(k), first, last, level)
     return out
 
 
-def _smooth(scene: Scene, lattice: Lattice, k: float, part: slice, level: NDArray[np.int64]) -> Array:
-    """Places (n, 3) of a run, a sample apart, with the stand-off smoothed within the camera's range."""
+def _certified(
+    scene: Scene,
+    lattice: Lattice,
+    stance: tuple[Array, Array],
+    k: float,
+    first: int,
+    last: int,
+    level: NDArray[np.int64],
+) -> list[tuple[int, int, Array]]:
+    """A run as it will be flown: smoothed, or as found where smoothing leaves the certified set, or its good parts."""
+    if last == first:
+        return []
+    part = slice(first, last + 1)
+    for smoothing in (SMOOTHING, 1):
+        places = _path(lattice, k, part, level, smoothing)
+        good = hold(scene, *stance, places).good
+        if good.all():
+            return [(first, last, places)]
+    broken = np.flatnonzero(~good)
+    cut = int(np.clip(np.searchsorted(lattice.s, places[broken[0], 1]), first + 1, last))
+    halves = ((first, cut - 1), (cut, last))
+    return [run for a, b in halves for run in _certified(scene, lattice, stance, k, a, b, level)]
+
+
+def _path(lattice: Lattice, k: float, part: slice, level: NDArray[np.int64], smoothing: int) -> Array:
+    """Places (n, 3) of a run, a sample apart, its stand-off averaged twice over ``smoothing`` stations."""
     s, raw = lattice.s[part], lattice.d[level[part]]
-    off = uniform_filter1d(uniform_filter1d(raw, SMOOTHING, mode="nearest"), SMOOTHING, mode="nearest")
+    off = uniform_filter1d(uniform_filter1d(raw, smoothing, mode="nearest"), smoothing, mode="nearest")
     fine = np.linspace(s[0], s[-1], max(3, int(np.ceil((s[-1] - s[0]) / SAMPLE)) + 1))
     return np.column_stack([np.full(len(fine), k), fine, np.interp(fine, s, off)])
 
@@ -223,8 +278,11 @@ def _driving(scene: Scene, drive: Drive, number: int) -> Leg:
     points = scene.bay.place(places[:, 0], places[:, 1], places[:, 2])
     travel = np.abs(drive.s[:, drive.base] - drive.s[0, drive.base])
     waypoints = _waypoints(scene, travel, places, points, anchors, pull, drive.s, drive.clock)
-    base, motion = scene.squad.base, scene.squad.motion
-    return Leg("drive", number, None, drive.base + 1, motion.drive_speed, base.max_acceleration, waypoints)
+    base, turned = scene.squad.base, np.abs(np.diff(drive.clock[:, drive.base]))
+    steepest = float(np.max(turned / np.diff(travel)))  # [rad/m]
+    # Part of the turning rate is left to the controller that follows the reference.
+    speed = min(scene.squad.motion.drive_speed, TURNING * base.max_turn_rate / max(steepest, 1e-9))
+    return Leg("drive", number, None, drive.base + 1, speed, base.max_acceleration, waypoints)
 
 
 def _joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
@@ -269,6 +327,8 @@ def _waypoints(
     target: Array | None = None,
 ) -> tuple[Waypoint, ...]:
     held = hold(scene, anchors, pull, places, target)
+    # Every caller has certified these places; what differs is the rounding of the file.
+    assert meets(scene, held.quality, ROUNDING).all()
     return tuple(
         Waypoint(
             round(float(travel[j]), 6),
@@ -301,7 +361,7 @@ def _reasons(scene: Scene, cell: Cell, lattice: Lattice) -> list[Uncovered]:
         for first, last in runs(cell.wanted[row], np.zeros(len(lattice.s), bool)):
             why = why_not(scene, cell, lattice, row, (first + last) // 2)
             if why == "none":
-                why = "held, but no certified way leads there"
+                why = "held, but no certified way leads there, or over less than two stations"
             low, high = max(cell.low, lattice.s[first] - half), min(cell.high, lattice.s[last] + half)
             out.append(Uncovered(scene.bay.stays[k].id, float(low), float(high), why))
     return out

@@ -92,6 +92,11 @@ class Mission(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """Number of squad moves: changes of stance."""
         return len({leg.stance for leg in self.legs if leg.kind == "drive"})
 
+    @property
+    def intact(self) -> bool:
+        """Whether the content is the one that was hashed."""
+        return self.sha256 == _digest(self)
+
     def sealed(self) -> Mission:
         """The same mission with the hash of its content."""
         return msgspec.structs.replace(self, sha256=_digest(self))
@@ -126,7 +131,7 @@ def decode(content: bytes, where: str) -> Mission:
         raise InputError(where, str(error), "a mission written by `steeplejack inspect`") from None
     if mission.format != FORMAT:
         raise InputError(where, f"format {mission.format!r}", FORMAT)
-    if mission.sha256 != _digest(mission):
+    if not mission.intact:
         raise InputError(
             where, "content does not match its sha256", "a mission that has not been edited since planning"
         )

@@ -24,7 +24,7 @@ def headline(log: Log, analysis: Analysis) -> Markup:
         kind, title = "bad", f"The run ended early: {summary.faults[0]}."
         rest.append(f"Until then {share} were seen on the face looked at.")
         if log.complete and not log.accomplished and log.states.stopped.any():
-            rest.append("The squad stopped on its brakes with all palms closed.")
+            rest += [f"How the squad stands: {event.text}." for event in log.events if event.kind == "stop"]
     elif broken:
         kind, title = "bad", "The mission was flown to its end, but not every limit held."
         rest.append(f"{share} were seen on the face looked at. Not held: {'; '.join(broken)}.")

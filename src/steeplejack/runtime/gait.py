@@ -12,6 +12,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from steeplejack.safety import HELD
+
 Array = NDArray[np.float64]
 
 
@@ -50,9 +52,6 @@ TRANSITIONS: dict[tuple[Phase, Outcome], Phase] = {
 }
 
 OPENED, CLOSED = 0.05, 0.95  # shares of the palm preload that count as open and closed
-# Share of the preload below which a closed palm counts as lost. Noise lets CLOSED be seen from 0.92 on; the gap to
-# there is six standard deviations of the sensor, and Eq. 17 asks for 0.81.
-HELD = 0.87
 STILL = 5e-4  # [m] a wheel may move while its grip is verified
 VERIFY_TIME = 0.5  # [s]
 ARRIVED = 0.01  # [m] from the end of the drive

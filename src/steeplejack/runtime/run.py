@@ -9,24 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.control.controller import PlatformController, Setpoint, State
-from steeplejack.errors import SteeplejackError
+from steeplejack.errors import InputError, SteeplejackError
 from steeplejack.mechanics.cable.suspension import directions, force_family
 from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime import recorder as log
-from steeplejack.runtime.gait import HELD, TRANSITIONS, Phase, Progress, judge
+from steeplejack.runtime.gait import TRANSITIONS, Phase, Progress, judge
 from steeplejack.runtime.plant import Command, Measurement, Plant
 from steeplejack.runtime.reference import LegReference
-from steeplejack.safety import BREACHES, Limits, check
+from steeplejack.safety import BREACHES, HELD, Monitor
 from steeplejack.spatial import to_quaternion
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+INTERRUPTED = "interrupted by the operator"
 CONTROL_STEP = 1e-3  # [s]
 SAMPLE_EVERY = 50  # control steps between samples of the log
-SETTLE = 3.0  # [s] on the brakes, recorded, after a stop
+SETTLE = 1.0  # [s] on the brakes with the palms closed, recorded, after a stop
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,11 @@ class Supervisor:
         gravity: Of the worksite (3,) [m/s2].
         recorder: Where everything is kept.
         picture: Called at each sample with the time [s]; a picture to log, or None.
+        asked_to_stop: Called at each step; the squad stops on its brakes when it says so.
 
     Raises:
         SteeplejackError: Control and plant steps do not divide.
+        InputError: The mission is not the one that was planned.
     """
 
     def __init__(
@@ -63,21 +66,25 @@ class Supervisor:
         gravity: Array,
         recorder: log.Recorder,
         picture: Callable[[float], log.Picture | None] | None = None,
+        asked_to_stop: Callable[[], bool] = lambda: False,
     ) -> None:
+        if not mission.intact:
+            raise InputError("mission", "content does not match its sha256", "a mission not edited since planning")
         ratio = CONTROL_STEP / plant.step
         if abs(ratio - round(ratio)) > 1e-9 or round(ratio) < 1:
             raise SteeplejackError(f"control step {CONTROL_STEP} s is not a multiple of the plant's {plant.step} s")
         self._substeps = round(ratio)
         self._mission, self._squad, self._plant, self._recorder = mission, squad, plant, recorder
-        self._picture = picture
+        self._picture, self._asked_to_stop = picture, asked_to_stop
         request = mission.request
         mass = squad.platform.mass + request.payload_kg
         self._controller = PlatformController(bay, squad, mass, gravity, request.tension_n)
-        self._limits = Limits.of(squad, request.tension_n)
+        self._monitor = Monitor(bay, squad, request.tension_n)
         self._attachments = np.array(squad.platform.attachments)
         self._references = [LegReference.of(leg) for leg in mission.legs]
         self._command = Command(np.zeros(4), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
         self._steps = 0
+        self._watch, self._tension = self._monitor.begin(np.zeros(4)), np.zeros(4)
         self._residual, self._status = 0.0, 0
 
     @property
@@ -88,7 +95,9 @@ class Supervisor:
     def run(self, step: Callable[[float], None]) -> Result:
         """Run every leg; ``step`` is called with the time [s] at each sample. Stops on the brakes at a breach."""
         measured = self._plant.measure()
-        state = self._controller.begin(self._references[0].at(0.0), measured.values)
+        first = self._references[0].at(0.0)
+        state = self._controller.begin(first, measured.values)
+        self._watch, self._tension = self._monitor.begin(first.tension), first.tension
         for index, reference in enumerate(self._references):
             state, setpoint, phase, why = self._leg(index, reference, state, step)
             if phase is Phase.STOPPED:
@@ -144,34 +153,28 @@ class Supervisor:
             # Nothing can be computed from such a reading; the squad stops on what it knew before.
             self._steps += 1
             return state, measured, BREACHES[1]
-        loose = ~moving & (measured.palm < HELD * self._squad.gripper.force)
-        if loose.any():
-            self._steps += 1
-            return state, measured, f"grip lost: palms of base {int(np.argmax(loose)) + 1} read below their preload"
-        state, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
+        after, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
         self._status, self._residual = output.status, output.residual
-        code, where = check(
-            output.pull,
-            state.tension,
-            measured.pay_rate,
-            measured.s_rate,
+        verdict = self._monitor.step(
+            self._watch,
+            measured.values,
+            output.command,
             moving,
-            state.exits,
-            state.tangents,
-            self._attachments,
-            state.position,
-            state.rotation,
             setpoint.position,
-            self._limits,
+            setpoint.rotation,
+            CONTROL_STEP,
         )
+        self._watch, self._tension = verdict.state, verdict.tension
         self._steps += 1
-        if code:
-            return state, measured, BREACHES[code] + (f" ({where + 1})" if where >= 0 else "")
+        if verdict.code:
+            return after, measured, f"{BREACHES[verdict.code]} ({verdict.where + 1})"
+        if self._asked_to_stop():
+            return after, measured, INTERRUPTED
         command = self._command
-        command.pull, command.drive, command.turn = output.pull, output.drive, output.turn
+        command.pull, command.drive, command.turn = output.command
         self._plant.apply(command)
         self._plant.advance(self._substeps)
-        return state, measured, ""
+        return after, measured, ""
 
     def _stop(self, index: int, reference: LegReference, state: State, setpoint: Setpoint, why: str) -> None:
         """Brakes of winches and wheels on, palms closing: hold there, and keep recording for a while."""
@@ -180,13 +183,16 @@ class Supervisor:
         self._command.drive, self._command.turn = np.zeros(4), np.zeros(4)
         self._command.pull = np.zeros(4)
         self._plant.apply(self._command)
-        for _ in range(round(SETTLE / CONTROL_STEP)):
+        preload = HELD * self._squad.gripper.force
+        for _ in range(round((self._squad.gripper.close_time + SETTLE) / CONTROL_STEP)):
             self._plant.advance(self._substeps)
             self._steps += 1
             if self._steps % SAMPLE_EVERY == 0:
                 measured = self._plant.measure()
-                self._sample(index, reference, Phase.STOPPED, state, setpoint, measured, np.zeros(4, bool))
-        self._recorder.note(self.time, "stopped on brakes, palms closed", "stop")
+                self._sample(index, reference, Phase.STOPPED, state, setpoint, measured, measured.palm < preload)
+        loose = np.flatnonzero(~(self._plant.measure().palm >= preload)) + 1
+        palms = f"palms of base {', '.join(map(str, loose))} not closed" if len(loose) else "palms closed"
+        self._recorder.note(self.time, f"stopped on brakes, {palms}", "stop")
 
     def _note(self, phase: Phase, index: int) -> None:
         leg = self._mission.legs[index]
@@ -203,16 +209,15 @@ class Supervisor:
         measured: Measurement,
         moving: Flags,
     ) -> None:
-        """Write one sample of everything."""
+        """Write one sample of everything; what the plant knows to be true comes before what is estimated."""
         truth = self._plant.truth()
         least, largest = self._plant.extremes()
-        u, _lengths = directions(state.exits, self._attachments, state.position, state.rotation)
+        actual = truth if truth is not None else state
+        u, _lengths = directions(actual.exits, self._attachments, actual.position, actual.rotation)
         along = np.abs(np.sum(u * state.tangents, axis=1))
         limit = np.where(moving, self._squad.base.drive_force, self._squad.base.hold_force)
         margin = 1.0 - largest * along / limit
-        actual = truth if truth is not None else state
         velocity = truth.velocity if truth is not None else state.velocity[3:]
-        exits = truth.exits if truth is not None else state.exits
         s = truth.s if truth is not None else measured.s
         base = reference.leg.base if moving.any() else None
         sample = log.State(
@@ -229,18 +234,18 @@ class Supervisor:
             to_quaternion(actual.rotation).tolist(),
             velocity.tolist(),
             setpoint.tension.tolist(),
-            state.tension.tolist(),
+            self._tension.tolist(),
             actual.tension.tolist(),
             float(largest.max()),
             float(least.min()),
             float(margin.min()),
             margin.tolist(),
-            planar_tension_factor(u, state.rotation, setpoint.rotation, self._attachments),
+            planar_tension_factor(u, actual.rotation, setpoint.rotation, self._attachments),
             setpoint.s.tolist(),
             np.where(np.isfinite(measured.s), measured.s, setpoint.s).tolist(),  # JSON has no word for NaN
             s.tolist(),
             state.exits.tolist(),
-            exits.tolist(),
+            actual.exits.tolist(),
             float(self._residual),
             int(self._status),
         )

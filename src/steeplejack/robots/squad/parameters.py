@@ -67,11 +67,15 @@ class Base(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     length: Positive
     max_speed: Positive
     max_acceleration: Positive
+    max_turn_rate: Positive
     spacing: Positive
     obstacle_height: NonNegative
     stay_diameter: Window
     max_inclination: Positive
     encoder_step: Positive
+    clock_bias: NonNegative
+    clock_noise: NonNegative
+    clock_step: Positive
     wheel_brake: NonNegative
     ring_camera: bool
     odometry_drift: NonNegative
@@ -109,7 +113,6 @@ class Winch(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
 class Cable(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Driving cable."""
 
-    diameter: Positive
     axial_stiffness: Positive
     damping_time: NonNegative
     tension: tuple[NonNegative, Positive]
