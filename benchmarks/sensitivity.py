@@ -1,7 +1,9 @@
-"""One-at-a-time sensitivity of the tracking accuracy to the estimated physics parameters.
+"""One-at-a-time sensitivity of the tracking accuracy to the estimates of the robot file: physics, sensors, gains.
 
 Runs one small mission with a squad move (stays 5:7 of the built-in default bay, 24-34 m, two stances) once as the robot
-file stands and once per variation, and prints a Markdown table. About five minutes on one core.
+file stands and once per variation, and prints a Markdown table. The machine is varied; plan, controller and safety go on
+believing the file, so a row says what a wrong estimate costs. Only the controller's own gains are varied where they are
+used. About forty minutes on one core.
 
     python benchmarks/sensitivity.py
 """
@@ -14,7 +16,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from steeplejack.planning import Mission, Request, Rules, Scene, plan, verdicts
+from steeplejack.planning import Mission, Request, Rules, Scene, plan
 from steeplejack.report import write_report
 from steeplejack.robots.squad import Bay, Squad, load_squad
 from steeplejack.simulation import Session
@@ -29,21 +31,31 @@ VARIATIONS = (
     ("torque scale error", "winch", "torque_scale_error", (0.0, 3.0)),
     ("odometry drift", "base", "odometry_drift", (0.0, 3.0)),
     ("cable damping", "cable", "damping_time", (0.3, 3.0)),
+    ("rotor inertia", "winch", "rotor_inertia", (0.5, 2.0)),
+    ("drum radius (reflected mass)", "winch", "drum_radius", (0.8, 1.25)),
+    ("platform inertia", "platform", "inertia", (0.5, 2.0)),
+    ("twist torque of the palms", "base", "twist_torque", (0.5, 2.0)),
+    ("winch encoder counts", "winch", "encoder_counts", (0.1, 0.01)),
+    ("wheel encoder grain", "base", "encoder_step", (10.0, 70.0)),
+    ("inclinometer bias", "base", "clock_bias", (0.0, 3.0)),
+    ("inclinometer noise", "base", "clock_noise", (0.0, 4.0)),
+    ("controller stiffness", "controller", "stiffness", (0.5, 2.0)),
+    ("controller damping", "controller", "damping", (0.5, 2.0)),
 )
 
 
 def varied(squad: Squad, table: str, field: str, factor: float) -> Squad:
-    """The machine with one value multiplied."""
+    """The machine with one value or vector multiplied."""
     part = getattr(squad, table)
-    return msgspec.structs.replace(
-        squad, **{table: msgspec.structs.replace(part, **{field: factor * getattr(part, field)})}
-    )
+    value = getattr(part, field)
+    value = tuple(factor * each for each in value) if isinstance(value, tuple) else factor * value
+    return msgspec.structs.replace(squad, **{table: msgspec.structs.replace(part, **{field: value})})
 
 
-def run(bridge: Bridge, bay: Bay, mission: Mission, squad: Squad, folder: Path) -> str:
+def run(bridge: Bridge, bay: Bay, mission: Mission, believed: Squad, actual: Squad, folder: Path) -> str:
     """A table row of the errors of one run."""
     log = folder / "run.mcap"
-    result = Session(mission, bridge, bay, squad, verdicts(bridge, squad)).run(log, False, lambda _time: None)
+    result = Session(mission, bridge, bay, believed, (), 0, actual).run(log, False, lambda _time: None)
     summary = write_report(log, folder / "report.html")
     cells = [
         f"{error.mean:+.1f} +- {error.std:.1f}"
@@ -60,15 +72,16 @@ def main() -> None:
     assert isinstance(bridge, Bridge)
     bay, rules = Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad), Rules(tension=(20.0, 250.0), cell_length=5.0)
     request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 24.0, 34.0, "under", 0.0, rules.tension)
-    # The plan knows the true stiffness of the machine it is made for; it is made once, for the file as it stands.
     mission = plan(Scene.of(bay, squad, rules, np.array(bridge.gravity)), request, (), lambda _done: None)
     print("| parameter | along [mm] | across [mm] | stand-off [mm] | absolute mean, max [mm] | slip margin | run |")
     print("| --- | ---: | ---: | ---: | ---: | ---: | --- |")
     with tempfile.TemporaryDirectory() as folder:
-        print(f"| as in the file | {run(bridge, bay, mission, squad, Path(folder))} |", flush=True)
+        print(f"| as in the file | {run(bridge, bay, mission, squad, squad, Path(folder))} |", flush=True)
         for name, table, field, factors in VARIATIONS:
             for factor in factors:
-                row = run(bridge, bay, mission, varied(squad, table, field, factor), Path(folder))
+                changed = varied(squad, table, field, factor)
+                believed = changed if table == "controller" else squad
+                row = run(bridge, bay, mission, believed, changed, Path(folder))
                 print(f"| {name} x {factor:g} | {row} |", flush=True)
 
 

@@ -18,6 +18,7 @@ TIERS = [
     {"simulation", "link", "report"},
     {"console"},
     {"cli"},
+    {"__init__"},  # the package's own public names
 ]
 EXTRA = {("planning", "design"), ("spatial", "errors")}
 LIBRARIES = {

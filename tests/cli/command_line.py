@@ -1,4 +1,4 @@
-"""Runs the command line in this process, as ``steeplejack ...`` would."""
+"""Runs the command line in this process, as ``steeplejack ...`` would, and says how to run it in another."""
 
 from __future__ import annotations
 
@@ -9,6 +9,12 @@ from typing import Any, NamedTuple
 import pytest
 
 from steeplejack.cli import main
+
+# A test run in the background ignores Ctrl-C, and its children would inherit that.
+_MAIN = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from steeplejack.cli import main; main()"
+)
+PROGRAM = (sys.executable, "-c", _MAIN)  # arguments of the command follow
 
 
 class Outcome(NamedTuple):

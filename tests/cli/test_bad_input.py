@@ -97,6 +97,20 @@ def test_robots(steeplejack: Run, folder: Path, command: list[str], name: str) -
     refused(steeplejack, folder, [*command, "--robot", "robot.toml"], ("robot.toml", *words))
 
 
+@pytest.mark.parametrize(("column", "name"), [("w_kN_per_m", "weight"), ("force_kN", "tension")])
+def test_what_shapes_a_stay_is_not_guessed_in_silence(steeplejack: Run, folder: Path, column: str, name: str) -> None:
+    """One stay of unknown sag stops the job, and is no matter for the check."""
+    (folder / "stays.csv").write_bytes(edited(column, ""))
+    words = (f"stay T1L-M03: {name} unknown", "--chord", "--accept-unknown")
+    refused(steeplejack, folder, ["inspect", "stays.csv", "--stays", "2:4"], words)
+    assert steeplejack("check", "stays.csv").code == 0
+
+
+def test_a_window_without_end_in_the_robot_file(steeplejack: Run, folder: Path) -> None:
+    (folder / "robot.toml").write_text(ROBOT.replace("tension = [20.0, 250.0]", "tension = [20.0, inf]"))
+    refused(steeplejack, folder, [*BAY, "--robot", "robot.toml"], ("[cable] tension", "20 inf"))
+
+
 INSPECT = ["inspect", "ecs620-like", "--fan", "T1L-main"]
 BAY = [*INSPECT, "--stays", "5:9"]
 MAP = ["map", "table-iii", "--phi-deg", "50", "--step-m", "0.05"]
@@ -122,6 +136,8 @@ OPTIONS = {
     "payload of no number": ([*BAY, "--payload-kg", "nan"], ("--payload-kg",)),
     "unknown face": ([*BAY, "--face", "left"], ("--face",)),
     "unknown diameter not accepted": (["inspect", "russky-like"], ("diameter unknown", "--accept-unknown")),
+    "stays that no fan has": (["inspect", "ecs620-like", "--stays", "5:99"], ("--stays", "5 and 99", "T2R-main 1-21")),
+    "unknown diameter on chords": (["inspect", "russky-like", "--chord"], ("diameter unknown", "--accept-unknown")),
     "planar worksite to inspect": (["inspect", "table-iii"], ("planar",)),
     "planar worksite to check": (["check", "table-iii"], ("planar",)),
     "bridge to map": (["map", "ecs620-like", "--phi-deg", "50", "--step-m", "0.01"], ("is a bridge",)),
@@ -141,10 +157,17 @@ OPTIONS = {
     "angle of no number": (["map", "table-iii", "--phi-deg", "nan", "--step-m", "0.05"], ("finite angle",)),
     "range the wrong way": (["map", "table-iii", "--phi-deg", "60:50:1", "--step-m", "0.05"], ("--phi-deg",)),
     "range without a step": (["map", "table-iii", "--phi-deg", "50:60:0", "--step-m", "0.05"], ("--phi-deg",)),
+    "mass for wrench closure": ([*MAP, "--mass-kg", "8"], ("--mass-kg", "wrench-feasible")),
+    "window for wrench closure": ([*MAP, "--tension-n", "10", "250"], ("--tension-n", "wrench-feasible")),
+    "slip force for wrench closure": ([*MAP, "--slip-n", "245"], ("--slip-n", "wrench-feasible")),
     "no mass": ([*MAP, "--criterion", "wrench-feasible"], ("--mass-kg M --tension-n A B",)),
     "negative map mass": (
         [*MAP, "--criterion", "wrench-feasible", "--mass-kg", "-1", "--tension-n", "1", "2"],
-        ("-1",),
+        ("--mass-kg", "-1 kg"),
+    ),
+    "map mass of no number": (
+        [*MAP, "--criterion", "wrench-feasible", "--mass-kg", "nan", "--tension-n", "1", "2"],
+        ("--mass-kg", "nan kg"),
     ),
     "no slip force": (
         [*MAP, "--criterion", "wrench-feasible", "--mass-kg", "1", "--tension-n", "1", "2", "--slip-n", "0"],

@@ -5,13 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import msgspec
+import numpy as np
 import pytest
 
+from steeplejack.errors import InputError
 from steeplejack.planning import Verdict, check
+from steeplejack.planning.compatibility import holding_force
 from steeplejack.robots.squad import Squad
+from steeplejack.robots.squad.adhesion import min_grip_force
 from steeplejack.worksite import Interval, Stay
 
 STAY = Stay("T1L-M05", "1", "L", "main", 5, (40.0, 14.0, 50.0), (0.0, 12.0, 110.0), diameter=0.110)
+
+
+def with_palms(squad: Squad, **changes: float) -> Squad:
+    return msgspec.structs.replace(squad, gripper=msgspec.structs.replace(squad.gripper, **changes))
 
 
 def with_diameter(diameter: float | None) -> Stay:
@@ -79,6 +88,41 @@ def test_low_sleeve_over_the_whole_stay_is_passed(squad: Squad) -> None:
 def test_inclination_limit_includes_the_vertical(squad: Squad) -> None:
     vertical = replace(STAY, lower=(0.0, 14.0, 50.0), upper=(0.0, 14.0, 110.0))
     assert check(vertical, squad).fits is True
+
+
+def test_palms_that_press_too_little_do_not_hold(squad: Squad) -> None:
+    """Eq. 17 at the base's rated pull along the stay and its own weight."""
+    needed = holding_force(squad, 0.055, STAY.inclination)
+    for force, fits in ((needed * (1.0 + 1e-9), True), (needed * (1.0 - 1e-9), False)):
+        verdict = check(STAY, with_palms(squad, force=force))
+        assert verdict.fits is fits
+    assert check(STAY, with_palms(squad, force=500.0)).reasons == (
+        f"palms press 500 N, a base at its rated pull needs {needed:.0f} N there",
+    )
+
+
+def test_the_machine_holds_its_rated_pull_wherever_it_fits(squad: Squad) -> None:
+    """Table IV: 25 kg on stays of 90-120 mm, up to 90 deg, down to where a palm counts as lost."""
+    low, high = squad.base.stay_diameter
+    needed = [
+        holding_force(squad, radius, inclination)
+        for radius in np.linspace(0.5 * low, 0.5 * high, 7)
+        for inclination in np.linspace(0.0, squad.base.max_inclination, 91)
+    ]
+    assert max(needed) < 0.87 * squad.gripper.force < 1.05 * max(needed)
+
+
+def test_holding_force_of_a_vertical_stay_carries_34_kg(squad: Squad) -> None:
+    """The full form of squad.md: 25 kg beyond the base's own 9 kg."""
+    gripper = squad.gripper
+    whole = min_grip_force(34.0 * 9.81, 0.05, 0.5 * math.pi, gripper.palm_length, "+").min_force
+    assert holding_force(squad, 0.05, 0.5 * math.pi) == pytest.approx(whole, rel=1e-12)
+
+
+def test_palms_that_do_not_close_around_the_stay_are_bad_input(squad: Squad) -> None:
+    with pytest.raises(InputError, match="palm length: 0.03 m"):
+        check(STAY, with_palms(squad, palm_length=0.03))
+    assert check(with_diameter(0.2), with_palms(squad, palm_length=0.03)).fits is False
 
 
 def test_every_reason_is_given(squad: Squad) -> None:

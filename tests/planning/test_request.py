@@ -21,8 +21,11 @@ from steeplejack.planning import (
 )
 from steeplejack.planning.inspection import held_fraction
 from steeplejack.robots.squad import Bay, Squad
+from steeplejack.runtime.recorder import StayRecord
 from steeplejack.worksite import Bridge, Interval, load_worksite
 
+STRAIGHT = "unknown, so stays without it are straight chords"
+AS_ASKED = "shape: straight chords, as asked for"
 RULES = Rules(tension=(20.0, 250.0))
 
 
@@ -66,11 +69,12 @@ def test_sutong_is_infeasible_by_diameter(squad: Squad) -> None:
 
 def test_unknown_diameter_stops_it_unless_accepted(squad: Squad) -> None:
     russky = loaded("russky-like")
-    with pytest.raises(InputError, match="diameter unknown; .*--accept-unknown"):
+    with pytest.raises(
+        InputError, match="stay T1L-M05: diameter unknown, weight unknown, tension unknown; .*--accept-unknown"
+    ):
         choose_bay(russky, squad, None, None, False)
     _fan, _bounds, assumed = choose_bay(russky, squad, None, None, True)
-    assert "diameter: the machine's largest, 120 mm" in assumed
-    assert all("unknown" in text or "largest" in text for text in assumed)
+    assert assumed == ("diameter: the machine's largest, 120 mm", f"tension: {STRAIGHT}", f"weight: {STRAIGHT}")
 
 
 def test_unknown_obstacle_height_is_not_taken_for_a_diameter(bridge: Bridge, squad: Squad) -> None:
@@ -82,12 +86,69 @@ def test_unknown_obstacle_height_is_not_taken_for_a_diameter(bridge: Bridge, squ
     assert assumed == ("height of the obstacle at 40.0-40.6 m: unknown, so no base passes it",)
 
 
-def test_stays_of_known_diameter_and_unknown_weight_hang_on_chords(bridge: Bridge, squad: Squad) -> None:
+@pytest.mark.parametrize("name", ["weight", "tension"])
+def test_what_shapes_a_stay_stops_it_unless_accepted(bridge: Bridge, squad: Squad, name: str) -> None:
+    """Not even one stay is silently taken for its chord."""
+    bare = altered(bridge, T1L_M06={name: None})
+    with pytest.raises(InputError, match=f"stay T1L-M06: {name} unknown; .*--chord .*--accept-unknown"):
+        choose_bay(bare, squad, "T1L-main", (5, 7), False)
+    _fan, _bounds, assumed = choose_bay(bare, squad, "T1L-main", (5, 7), True)
+    assert assumed == (f"{name}: {STRAIGHT}",)
+
+
+def test_a_bay_whose_data_are_known_is_found_beside_one_whose_are_not(bridge: Bridge, squad: Squad) -> None:
+    _fan, (first, last), assumed = choose_bay(altered(bridge, T1L_M07={"weight": None}), squad, None, None, False)
+    assert not first <= 7 <= last
+    assert assumed == ()
+
+
+def test_chords_asked_for_need_no_weight_and_say_so(bridge: Bridge, squad: Squad) -> None:
     bare = altered(bridge, every={"weight": None, "tension": None})
-    _fan, _bounds, assumed = choose_bay(bare, squad, "T1L-main", (5, 7), False)
-    assert assumed == tuple(
-        f"{name}: unknown, so the stays are taken as straight chords" for name in ("tension", "weight")
-    )
+    _fan, _bounds, assumed = choose_bay(bare.as_chords(), squad, "T1L-main", (5, 7), False)
+    assert assumed == (AS_ASKED,)
+    with pytest.raises(InputError, match="stay T1L-M05: diameter unknown; the missing data, or --accept-unknown"):
+        choose_bay(loaded("russky-like").as_chords(), squad, None, None, False)
+    _fan, _bounds, both = choose_bay(loaded("russky-like").as_chords(), squad, None, None, True)
+    assert both == ("diameter: the machine's largest, 120 mm", AS_ASKED)
+
+
+def test_plan_run_and_report_use_the_chords_asked_for(bridge: Bridge, squad: Squad) -> None:
+    """The catenary of these stays sags by decimetres; nothing of it is left in the plan or in what the log keeps."""
+    fan, bounds, assumed = choose_bay(bridge.as_chords(), squad, "T1L-main", (5, 7), False)
+    bay = Bay.of(fan, *bounds, "under", squad)
+    scene = Scene.of(bay, squad, RULES, np.array(bridge.gravity))
+    asked = Request(bridge.name, squad.name, fan.id, bounds, 30.0, 33.0, "under", 0.0, RULES.tension)
+    mission = plan(scene, asked, assumed, lambda _done: None)
+    assert mission.assumed == (AS_ASKED,)
+    for curves in (bay.stays, tuple(StayRecord.of(stay).stay() for stay in bay.stays)):
+        for stay, hanging in zip(curves, bridge.fan("T1L-main").between(*bounds), strict=True):
+            assert stay.length == pytest.approx(np.linalg.norm(np.subtract(stay.upper, stay.lower)))
+            assert np.linalg.norm(stay.position(0.5 * stay.length) - hanging.position(0.5 * hanging.length)) > 0.05
+    for point in (point for leg in mission.legs for point in leg.waypoints):
+        np.testing.assert_allclose(point.position_m, bay.place(*point.place), atol=1e-9)
+
+
+def test_fans_without_the_stays_asked_for_are_passed_over(bridge: Bridge, squad: Squad) -> None:
+    """Regression of issue 2: the first fan decided for all."""
+    first = next(iter(bridge.fans))
+    short = replace(bridge, stays=tuple(s for s in bridge.stays if s.fan != first or s.index < 5))
+    fan, bounds, _ = choose_bay(short, squad, None, (5, 9), False)
+    assert (fan.id, bounds) == (list(bridge.fans)[1], (5, 9))
+
+
+def test_fans_without_a_stay_between_are_passed_over(bridge: Bridge, squad: Squad) -> None:
+    first = next(iter(bridge.fans))
+    sparse = replace(bridge, stays=tuple(s for s in bridge.stays if s.fan != first or s.index in (5, 9)))
+    assert choose_bay(sparse, squad, None, (5, 9), False)[0].id == list(bridge.fans)[1]
+
+
+def test_stays_that_no_fan_has_are_answered_by_those_there_are(bridge: Bridge, squad: Squad) -> None:
+    with pytest.raises(InputError) as error:
+        choose_bay(bridge, squad, None, (5, 99), False)
+    assert error.value.where == "--stays"
+    assert "no fan of ecs620-like has both 5 and 99" in error.value.what
+    for fan in bridge.fans.values():
+        assert f"{fan.id} {fan.stays[0].index}-{fan.stays[-1].index}" in error.value.valid
 
 
 @pytest.mark.parametrize(

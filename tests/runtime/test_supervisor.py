@@ -98,7 +98,10 @@ LIES = {
     "a gripped base that creeps": (("s_rate", 0, 0.05), "grip lost: a base that should stand moves (1)"),
     "a cable far too tight": (("pull", 0, 5e3), "working window"),
     "a winch that has lost count": (("paid", 0, 1.0), "fence"),
-    "palms that let go of a standing base": (("palm", 2, 100.0), "palms of a base that should stand read below their preload (3)"),
+    "palms that let go of a standing base": (
+        ("palm", 2, 100.0),
+        "palms of a base that should stand read below their preload (3)",
+    ),
     "a current that is not a number": (("pull", 2, np.nan), "not a number"),
     "a wheel that is not a number": (("s", 1, np.nan), "not a number"),
 }

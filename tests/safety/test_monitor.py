@@ -112,7 +112,7 @@ def test_limits_of_the_machine() -> None:
     assert (run.winch_speed, run.base_speed) == (squad.winch.max_speed, squad.base.max_speed)
     assert run.commanded[0] < 20.0 < 250.0 < run.commanded[1]
     np.testing.assert_allclose(run.tension, [5.0, 275.0])
-    assert 483.0 < run.palm < squad.gripper.force  # Eq. 17 at R = 50 mm, 45 deg
+    assert 603.0 < run.palm < squad.gripper.force  # Eq. 17 at the rated pull, worst stay of Table IV
     assert Limits.of(squad, (0.0, 250.0)).commanded[0] == 0.0
 
 

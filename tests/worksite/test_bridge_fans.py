@@ -64,6 +64,18 @@ def test_fans_are_named_and_ordered_by_index():
     assert bridge.gravity == (0.0, 0.0, -9.81)
 
 
+def test_chords_of_a_bridge_keep_everything_but_the_sag():
+    hanging = tuple(replace(s, weight=600.0, tension=3e6) for s in fan_of(0.1))
+    bridge = Bridge("b", hanging, "test", ("a note",))
+    straight = bridge.as_chords()
+    assert all(stay.sag > 0.0 for stay in bridge.stays)
+    assert all(stay.sag == 0.0 for stay in straight.stays)
+    for stay in straight.stays:
+        assert stay.length == pytest.approx(math.dist(stay.lower, stay.upper), rel=1e-12)
+    assert [stay.id for stay in straight.fan("T1L-main").stays] == [stay.id for stay in hanging]
+    assert replace(straight, stays=bridge.stays) == bridge
+
+
 def test_centreline_is_the_middle_of_the_tower():
     right = tuple(replace(s, id=f"r{s.index}", plane="R") for s in fan_of(0.0, y=40.0))
     bridge = Bridge("b", (*fan_of(0.0, y=20.0), *right), "test")

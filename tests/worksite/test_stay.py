@@ -78,6 +78,12 @@ def test_unknown_lists_everything_missing():
     assert bare.radius is None
 
 
+def test_a_chord_asked_for_misses_neither_weight_nor_tension():
+    straight = replace(STAY, weight=None, tension=None).as_chord()
+    assert straight.unknown == ()
+    assert replace(straight, diameter=None).unknown == ("diameter",)
+
+
 def test_free_intervals_leave_out_zones_and_obstacles():
     collar = Interval(40.0, 40.5, "obstacle", 0.02, "collar")
     fillet = Interval(60.0, 61.0, "obstacle", 0.004, "coupler of the fillet")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Annotated, Any
 
 import msgspec
@@ -15,7 +17,7 @@ import typer
 from steeplejack.errors import InputError, SteeplejackError
 from steeplejack.worksite import Bridge, PlanarSite, load_worksite
 
-BAD_INPUT, INFEASIBLE, ENDED_EARLY, INTERRUPTED = 2, 3, 4, 130
+CLOSED_PIPE, BAD_INPUT, INFEASIBLE, ENDED_EARLY, INTERRUPTED = 1, 2, 3, 4, 130
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, everything else on stderr.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the files it writes.")]
@@ -30,6 +32,12 @@ class Ended(SteeplejackError):
 def emit(answer: Any) -> None:
     """Print one JSON object."""
     print(msgspec.json.encode(answer).decode())
+
+
+def show(answer: dict[str, Any]) -> None:
+    """Print an answer for a person, a line each."""
+    for name, value in answer.items():
+        print(f"{name:<24}{f'{value:.9g}' if isinstance(value, float) else value}")
 
 
 def say(text: str) -> None:
@@ -54,6 +62,24 @@ def bar(title: str, total: float | None) -> Generator[Callable[[float], None]]:
         task = progress.add_task(title, total=total)
         yield lambda done: progress.update(task, completed=done)
         progress.update(task, total=total or 1.0, completed=total or 1.0)
+
+
+@contextmanager
+def stoppable() -> Generator[Callable[[], bool]]:
+    """While it lasts, the first Ctrl-C is only noted: the callable tells whether it came. A second one interrupts."""
+    asked = False
+    before = signal.getsignal(signal.SIGINT)
+
+    def note(_signal: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def bridge(worksite: str) -> Bridge:
@@ -93,6 +119,17 @@ def target(folder: Path) -> None:
         raise InputError("--out", f"{there} is a file", "a folder, made where it does not exist yet")
     if not os.access(there, os.W_OK | os.X_OK):
         raise InputError("--out", f"{there} cannot be written to", "a folder you may write to")
+
+
+@contextmanager
+def writing(path: Path) -> Generator[None]:
+    """Lets a failure to write name its file, which a full disk does not."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and not isinstance(error, BrokenPipeError):
+            error.filename = str(path)
+        raise
 
 
 def window(option: str, low: float, high: float) -> tuple[float, float]:

@@ -82,12 +82,13 @@ class SquadPlant:
         self.paid = data.ten_length.copy() / (1.0 + self.tensions / squad.cable.axial_stiffness)
         self.pay_rates = np.zeros(4)
         self._least, self._largest = self.tensions.copy(), self.tensions.copy()
-        self._read_at = 0.0
+        self.delivered = self.tensions.copy()
         self.palm = np.full(4, squad.gripper.force)
         self._start = np.array(stance.s, float)
         self._command = Command(self.tensions.copy(), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
-        self._measurement = Measurement()
-        self._measurement.paid[:] = self.paid
+        self._wheel_brake = self._command.wheel_brake.copy()
+        self._measurement, self._read_at = Measurement(), 0.0
+        self._read(0.0)  # what the encoders count from
         self._set_friction()
 
     @property
@@ -104,14 +105,15 @@ class SquadPlant:
         """What the palms can hold follows their preload; open palms leave the wheels' traction and nothing else."""
         base, share = self.squad.base, self.palm / self.squad.gripper.force
         # Palms and wheel brake share the load; the better of the two is what a base can count on.
-        wheels = np.where(self._command.wheel_brake, base.wheel_brake, 0.0)
+        wheels = np.where(self._wheel_brake, base.wheel_brake, 0.0)
         self.model.dof_frictionloss[self._along_dof] = np.maximum(base.hold_force * share, wheels)
         self.model.dof_frictionloss[self._turn_dof] = base.twist_torque * share
 
     def apply(self, command: Command) -> None:
         """Take over a command."""
         self._command = command
-        if command.wheel_brake.any():
+        if (command.wheel_brake != self._wheel_brake).any():
+            self._wheel_brake = command.wheel_brake.copy()
             self._set_friction()
 
     def advance(self, steps: int) -> None:
@@ -122,8 +124,8 @@ class SquadPlant:
             mujoco.mj_step1(model, data)
             winch.advance(
                 self._lengths, self._rates, self.paid, self.pay_rates,
-                command.pull, command.brake, self._constants, TIMESTEP, self.tensions,
-                self._least, self._largest,
+                command.pull, command.brake, self._constants, TIMESTEP, self.delivered,
+                self.tensions, self._least, self._largest,
             )  # fmt: skip
             mujoco.mj_step2(model, data)
         self._squeeze(command, steps * TIMESTEP)
@@ -150,24 +152,27 @@ class SquadPlant:
 
     def measure(self) -> Measurement:
         """Read the sensors."""
-        out, sensors, now = self._measurement, self.sensors, self.data.time
+        now = self.data.time
+        self._read(now - self._read_at)
+        self._read_at = now
+        return self._measurement
+
+    def _read(self, elapsed: float) -> None:
+        """Overwrite the last reading, ``elapsed`` [s] old."""
+        sensors = self.sensors
         sense(
-            out.values,
+            self._measurement.values,
+            elapsed,
             self.paid,
-            now - self._read_at,
-            self._command.pull,
+            self.delivered,
             self.s,
-            self._qvel[self._along_dof],
             self._start,
             self._qpos[self._turn],
             self.palm,
             sensors.noise(),
-            sensors.odometry,
-            sensors.torque,
+            sensors.errors,
             sensors.grains,
         )
-        self._read_at = now
-        return out
 
     @property
     def s(self) -> Array:

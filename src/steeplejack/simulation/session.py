@@ -27,7 +27,11 @@ MARGIN = 2.0  # [m] of rail beyond the places the mission drives to
 
 @dataclass(frozen=True)
 class Session:
-    """What it takes to run a mission in physics."""
+    """What it takes to run a mission in physics.
+
+    ``actual`` is the machine as it is where it differs from ``squad``, the machine that plan, controller and safety
+    believe in.
+    """
 
     mission: Mission
     bridge: Bridge
@@ -35,6 +39,7 @@ class Session:
     squad: Squad
     verdicts: tuple[Verdict, ...]
     seed: int = 0
+    actual: Squad | None = None
 
     @property
     def _starts(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -61,19 +66,28 @@ class Session:
         ]
         return SquadPlant(
             self.bay,
-            self.squad,
+            self.actual or self.squad,
             Stance(first.base_s_m, (a, b, c, d)),
             ranges,
             np.array(first.position_m),
             from_quaternion(np.array(first.quaternion)),
             np.array(first.tension_n),
-            self.squad.platform.mass + self.mission.request.payload_kg,
+            (self.actual or self.squad).platform.mass + self.mission.request.payload_kg,
             np.array(self.bridge.gravity),
             np.random.default_rng(self.seed),
         )
 
-    def run(self, log: Path, pictures: bool, step: Callable[[float], None]) -> Result:
-        """Run in physics, recording to ``log``; ``step`` is called with the time [s] at each sample.
+    def run(
+        self,
+        log: Path,
+        pictures: bool,
+        step: Callable[[float], None],
+        asked_to_stop: Callable[[], bool] = lambda: False,
+    ) -> Result:
+        """Run in physics, recording to ``log``.
+
+        ``step`` is called with the time [s] at each sample; the squad stops on its brakes when ``asked_to_stop`` says
+        so.
 
         Pictures need an OpenGL platform that draws without a screen; where there is none the log has none, and says so.
         """
@@ -89,7 +103,9 @@ class Session:
                 except Exception as error:  # noqa: BLE001  # whatever OpenGL raises, a run without pictures is a run
                     recorder.note(0.0, f"no pictures: {type(error).__name__}: {error}")
             gravity = np.array(self.bridge.gravity)
-            supervisor = Supervisor(self.mission, self.bay, self.squad, plant, gravity, recorder, photographer)
+            supervisor = Supervisor(
+                self.mission, self.bay, self.squad, plant, gravity, recorder, photographer, asked_to_stop
+            )
             return supervisor.run(step)
         finally:
             if photographer is not None:

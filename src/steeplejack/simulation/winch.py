@@ -8,8 +8,9 @@ and nothing when slack, whatever its rates. The rotor, reflected to the cable, o
 
     m_r d2L/dt2 = T - F - friction,    m_r = rotor_inertia (ratio / drum_radius)^2,
 
-F being the motor's pull at the cable. Coulomb friction and brake act implicitly, so a rotor at rest stays at rest up
-to their sum.
+F being the pull that the motor delivers at the cable: what is asked of it, up to its largest torque, and nothing while
+the brake is closed, which is where it falls without power. Coulomb friction and brake act implicitly, so a rotor at
+rest stays at rest up to their sum.
 """
 
 from __future__ import annotations
@@ -59,21 +60,23 @@ def advance(
     braked: NDArray[np.bool_],
     constants: Array,
     dt: float,
+    delivered: Array,
     tensions: Array,
     least: Array,
     largest_seen: Array,
 ) -> None:
-    """Advance four winches by ``dt`` [s]; writes ``paid``, ``pay_rates``, ``tensions`` and its extremes in place.
+    """Advance four winches by ``dt`` [s], in place.
 
     Args:
         lengths: Loaded lengths (4,) [m].
         rates: Their rates (4,) [m/s].
-        paid: Unstressed cable out (4,) [m].
-        pay_rates: Its rate, positive when paying out (4,) [m/s].
-        pull: Motor pull at the cable (4,) [N].
+        paid: Unstressed cable out (4,) [m], updated.
+        pay_rates: Its rate, positive when paying out (4,) [m/s], updated.
+        pull: Motor pull asked for at the cable (4,) [N].
         braked: Closed brakes (4,).
         constants: See :func:`constants`.
         dt: Step [s].
+        delivered: Motor pull as delivered (4,) [N], written.
         tensions: Tensions at the start of the step (4,) [N], written.
         least: Least tensions so far (4,) [N], updated.
         largest_seen: Largest tensions so far (4,) [N], updated.
@@ -83,8 +86,8 @@ def advance(
         tensions[i] = tension(lengths[i], rates[i], paid[i], pay_rates[i], stiffness, damping_time)
         least[i] = min(least[i], tensions[i])
         largest_seen[i] = max(largest_seen[i], tensions[i])
-        motor = 0.0 if braked[i] else min(max(pull[i], -largest), largest)
-        free = pay_rates[i] + dt * (tensions[i] - motor) / mass
+        delivered[i] = 0.0 if braked[i] else min(max(pull[i], -largest), largest)
+        free = pay_rates[i] + dt * (tensions[i] - delivered[i]) / mass
         stop = dt * (friction + (brake if braked[i] else 0.0)) / mass
         pay_rates[i] = np.sign(free) * max(0.0, abs(free) - stop)
         paid[i] += dt * pay_rates[i]

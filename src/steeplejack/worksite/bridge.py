@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -128,6 +128,10 @@ class Bridge:
             name: Fan(name, tuple(sorted(group, key=lambda s: s.index)), float(np.mean(ends[group[0].tower])))
             for name, group in groups.items()
         }
+
+    def as_chords(self) -> Bridge:
+        """The same bridge with every stay on its chord."""
+        return replace(self, stays=tuple(stay.as_chord() for stay in self.stays))
 
     def fan(self, id: str) -> Fan:
         """The fan called ``id``.

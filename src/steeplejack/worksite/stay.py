@@ -105,8 +105,9 @@ class Stay:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """Names of the data this stay lacks."""
-        return tuple(name for name in ("diameter", "weight", "tension") if getattr(self, name) is None)
+        """Names of the data this stay lacks; on a chord that was asked for, nobody misses weight and tension."""
+        needed = ("diameter",) if self.chord_only else ("diameter", "weight", "tension")
+        return tuple(name for name in needed if getattr(self, name) is None)
 
     def position(self, s: ArrayLike) -> Array:
         """Points (..., 3) [m] of the axis at arc length ``s`` (...) [m] from the lower anchorage."""
