@@ -1,9 +1,9 @@
 """One-at-a-time sensitivity of the tracking accuracy to the estimates of the robot file: physics, sensors, gains.
 
 Runs one small mission with a squad move (stays 5:7 of the built-in default bay, 24-34 m, two stances) once as the robot
-file stands and once per variation, and prints a Markdown table. The machine is varied; plan, controller and safety go on
-believing the file, so a row says what a wrong estimate costs. Only the controller's own gains are varied where they are
-used. About forty minutes on one core.
+file stands and once per variation, and prints a Markdown table. The machine is varied; plan, controller and safety go
+on believing the file, so a row says what a wrong estimate costs. Only the controller's own gains are varied where they
+are used. About forty minutes on one core.
 
     python benchmarks/sensitivity.py
 """
