@@ -1,6 +1,6 @@
-"""What drifting wheel odometry alone does to the platform.
+"""What drifting wheel odometry and inclinometers alone do to the platform.
 
-The controller believes the winch exits stand where the wheels say. In the plane of the cables it pulls until the four
+The controller believes the winch exits stand where wheels and inclinometers say. In the plane of the cables it pulls until the four
 measured lengths fit the planned pose as well as three freedoms allow; out of that plane the platform hangs where the
 planned tensions balance it. With the true exits elsewhere by ``dA`` the platform comes to rest elsewhere by x:
 

@@ -14,9 +14,9 @@ HEAD = ("", "along [mm]", "across [mm]", "stand-off [mm]", "absolute, mean [mm]"
 EXPLANATION = (
     "Two errors, because they have two causes. The first three columns say how well the platform followed its plan "
     "relative to where the bases really stood: the quality of the control. The base positions come from wheels that "
-    "slip a little, and what that drift alone does to the platform has been taken out of these columns. Stand-off is "
-    "not controlled: off the face the platform hangs where gravity and pretension balance it.",
-    "The absolute columns leave the drift in: they say how far the platform, and so a place it sees on a stay, may be "
+    "slip a little and inclinometers that read a little wrong, and what that alone does to the platform has been taken "
+    "out of these columns. Stand-off is not controlled: off the face the platform hangs where gravity and pretension balance it.",
+    "The absolute columns leave it in: they say how far the platform, and so a place it sees on a stay, may be "
     "from where this report puts it.",
 )
 
@@ -30,7 +30,8 @@ def tracking_section(log: Log, accuracy: Accuracy, path: Markup, errors: Markup)
     rows.append(("paper, its X and Y on a replica", "+1.4 ± 9.0", "−3.9 ± 10.4", "–", "–", "–"))
     drift = log.squad.base.odometry_drift
     note = (
-        f"Mean ± standard deviation. Wheel odometry drifts by {1e3 * drift:g} mm per metre driven (standard deviation)."
+        f"Mean ± standard deviation. Wheel odometry drifts by {1e3 * drift:g} mm per metre driven, inclinometers are "
+        f"off by {1e3 * log.squad.base.clock_bias:g} mrad (standard deviations)."
     )
     return section(
         "Accuracy",
