@@ -1,8 +1,8 @@
 """How well the platform followed its planned equilibria while it inspected.
 
 Two errors, told apart because they have different causes. The relative error is actual less planned position, less
-the shift that drifting wheel odometry and inclinometers alone explain: the quality of the control. The absolute error is actual less
-planned position in the world, drift included: how far a defect may be from where the report puts it.
+the shift that drifting wheel odometry and inclinometers alone explain: the quality of the control. The absolute error
+is actual less planned position in the world, drift included: how far a defect may be from where the report puts it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """What drifting wheel odometry and inclinometers alone do to the platform.
 
-The controller believes the winch exits stand where wheels and inclinometers say. In the plane of the cables it pulls until the four
-measured lengths fit the planned pose as well as three freedoms allow; out of that plane the platform hangs where the
-planned tensions balance it. With the true exits elsewhere by ``dA`` the platform comes to rest elsewhere by x:
+The controller believes the winch exits stand where wheels and inclinometers say. In the plane of the cables it pulls
+until the four measured lengths fit the planned pose as well as three freedoms allow; out of that plane the
+platform hangs where the planned tensions balance it. With the true exits elsewhere by ``dA`` the platform comes to rest
+elsewhere by x:
 
     P^T J^T (J x + u . dA) = 0        in the plane: translation along the platform's x and y, rotation about its z
     Q^T (K x - G dA) = 0              out of it

@@ -15,7 +15,8 @@ EXPLANATION = (
     "Two errors, because they have two causes. The first three columns say how well the platform followed its plan "
     "relative to where the bases really stood: the quality of the control. The base positions come from wheels that "
     "slip a little and inclinometers that read a little wrong, and what that alone does to the platform has been taken "
-    "out of these columns. Stand-off is not controlled: off the face the platform hangs where gravity and pretension balance it.",
+    "out of these columns. Stand-off is not controlled: off the face the platform hangs where gravity and "
+    "pretension balance it.",
     "The absolute columns leave it in: they say how far the platform, and so a place it sees on a stay, may be "
     "from where this report puts it.",
 )
