@@ -36,11 +36,11 @@ def measure() -> np.ndarray:
     mission = plan(Scene.of(bay, squad, rules, gravity), request, (), lambda _done: None)
     plant = Session(mission, bridge, bay, squad, verdicts(bridge, squad)).plant()
     controller = PlatformController(bay, squad, squad.platform.mass, gravity, rules.tension)
-    monitor = Monitor(bay, squad, rules.tension)
+    monitor = Monitor(bay, squad, squad.platform.mass * gravity, rules.tension)
     reference, none = LegReference.of(mission.legs[0]), np.zeros(4, bool)
     command = Command(np.zeros(4), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
     state = controller.begin(reference.at(0.0), plant.measure().values)
-    watch = monitor.begin(reference.at(0.0).tension)
+    watch = monitor.begin(reference.at(0.0).tension, plant.measure().clock)
     times = np.empty(STEPS)
     for k in range(STEPS):
         reading = plant.measure()
@@ -48,7 +48,14 @@ def measure() -> np.ndarray:
         began = time.perf_counter()
         state, output = controller.step(state, setpoint, reading.values, none, CONTROL_STEP)
         verdict = monitor.step(
-            watch, reading.values, output.command, none, setpoint.position, setpoint.rotation, CONTROL_STEP
+            watch,
+            reading.values,
+            output.command,
+            command.grip,
+            none,
+            setpoint.position,
+            setpoint.rotation,
+            CONTROL_STEP,
         )
         watch = verdict.state
         times[k] = 1e6 * (time.perf_counter() - began)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from steeplejack.control import allocation, estimator
-from steeplejack.control.law import law, least_squares, plane_matrix
+from steeplejack.control.law import law, least_squares
 from steeplejack.mechanics.cable import suspension
+from steeplejack.mechanics.cable.in_plane import plane_matrix
 from steeplejack.spatial import from_vector
 
 ATTACHMENTS = np.array([[-0.095, -0.095, 0.0], [0.095, -0.095, 0.0], [0.095, 0.095, 0.0], [-0.095, 0.095, 0.0]])

@@ -39,7 +39,7 @@ def log(tmp_path_factory: pytest.TempPathFactory, mission: Mission, bridge: Brid
     """A log with every topic, as a run writes it."""
     path = tmp_path_factory.mktemp("log") / "run.mcap"
     writer, rng = Recorder(path), np.random.default_rng(5)
-    found = [check(stay, squad) for stay in bay.stays]
+    found = [check(stay, squad, bridge.gravity) for stay in bay.stays]
     records = tuple(VerdictRecord(v.stay, v.fits, v.reasons, v.unknown) for v in found)
     stays = tuple(StayRecord.of(stay) for stay in bay.stays)
     writer.write("/worksite", Site(bridge.name, bridge.source, bridge.gravity, stays, records), 0.0)

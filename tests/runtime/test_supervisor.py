@@ -102,6 +102,7 @@ LIES = {
         ("palm", 2, 100.0),
         "palms of a base that should stand read below their preload (3)",
     ),
+    "a standing base that turns about its stay": (("clock", 3, 9.0), "turns about its stay (4)"),
     "a current that is not a number": (("pull", 2, np.nan), "not a number"),
     "a wheel that is not a number": (("s", 1, np.nan), "not a number"),
 }

@@ -15,33 +15,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.control.allocation import allocate
+from steeplejack.mechanics.cable.in_plane import plane_matrix
 from steeplejack.mechanics.cable.suspension import directions
 
 Array = NDArray[np.float64]
 
 TURN_RATE = 2.0  # [1/s] at which a base under way corrects its clock angle
 SLOW = 0.01  # [m/s] of reference rate below which friction compensation fades, so that a resting winch does not buzz
-
-
-@njit(cache=True)
-def plane_matrix(u: Array, rotation: Array, attachments: Array) -> tuple[Array, float]:
-    """Transposed structure matrix (4, 3) in the platform's x, y and about its z, and the arm that scales it [m].
-
-    Args:
-        u: Cable directions (4, 3).
-        rotation: Platform orientation (3, 3).
-        attachments: Attachments (4, 3) [m], platform frame.
-    """
-    scale = 0.0
-    for i in range(4):
-        scale += 0.25 * np.sqrt(attachments[i, 0] ** 2 + attachments[i, 1] ** 2 + attachments[i, 2] ** 2)
-    matrix = np.empty((4, 3))
-    for i in range(4):
-        x = rotation[0, 0] * u[i, 0] + rotation[1, 0] * u[i, 1] + rotation[2, 0] * u[i, 2]
-        y = rotation[0, 1] * u[i, 0] + rotation[1, 1] * u[i, 1] + rotation[2, 1] * u[i, 2]
-        matrix[i, 0], matrix[i, 1] = x, y
-        matrix[i, 2] = (attachments[i, 0] * y - attachments[i, 1] * x) / scale
-    return matrix, scale
 
 
 @njit(cache=True)

@@ -1,9 +1,9 @@
 """Is the platform held at a place, and if not, which limit binds?
 
 A pose is good where an equilibrium exists within the tension, pull and twist limits less their reserve, it is stable,
-and platform and driving cables clear every stay. The fast survey fixes the platform's orientation to find candidates
-(attachment radius over cable length changes the cables' directions by about one per cent); whatever enters a plan is
-certified with the orientation of its own equilibrium.
+the cables steer the platform in their plane, and platform and driving cables clear every stay. The fast survey fixes
+the platform's orientation to find candidates (attachment radius over cable length changes the cables' directions by
+about one per cent); whatever enters a plan is certified with the orientation of its own equilibrium.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable import clearance, suspension
+from steeplejack.mechanics.cable import clearance, in_plane, suspension
 from steeplejack.robots.squad.anchorage import exits, limits
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
@@ -30,6 +30,7 @@ class Rules:
     payload: float = 0.0  # [kg] carried at the platform's centre of mass
     reserve: float = 0.10  # [1] of every tension, pull and twist limit
     cable_clearance: float = 0.02  # [m] between a driving cable and a stay's surface
+    dexterity: float = 0.2  # [1] least over largest singular value of the structure matrix in the plane of the cables
     cell_length: float = 12.0  # [m] along the stays, inspected from one stance
 
 
@@ -175,11 +176,12 @@ def certify(
         own: Boundary stay of each base (4,).
 
     Returns:
-        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 5): room [N], least pivot of the Hessian at
-        locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m], longest cable [m].
+        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 6): room [N], least pivot of the Hessian at
+        locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m], longest cable [m],
+        dexterity in the plane of the cables [1].
     """
     n = points.shape[0]
-    rotations, tensions, quality = np.empty((n, 3, 3)), np.empty((n, 4)), np.empty((n, 5))
+    rotations, tensions, quality = np.empty((n, 3, 3)), np.empty((n, 4)), np.empty((n, 6))
     for j in range(n):
         ends, stiff = np.empty((4, 3)), np.empty(4)
         rotation, t, room = suspension.hang(
@@ -194,6 +196,9 @@ def certify(
         quality[j, 1] = suspension.least_pivot(hessian)
         quality[j, 2], quality[j, 3] = clearance.cable_gap(anchors[j], ends, axes, radii, own)
         quality[j, 4] = np.max(lengths)
+        # An equilibrium that was not found has no orientation; its room is below 0 already.
+        matrix, _scale = in_plane.plane_matrix(u, rotation, attachments)
+        quality[j, 5] = in_plane.dexterity(matrix) if room > -np.inf else 0.0
         rotations[j], tensions[j] = rotation, t
     return rotations, tensions, quality
 
@@ -204,7 +209,7 @@ class Held:
 
     rotation: Array  # (n, 3, 3)
     tension: Array  # (n, 4) [N]
-    quality: Array  # (n, 5), see :func:`certify`
+    quality: Array  # (n, 6), see :func:`certify`
     good: NDArray[np.bool_]  # (n,)
 
 
@@ -241,6 +246,7 @@ def meets(scene: Scene, quality: Array, hair: float = 0.0) -> NDArray[np.bool_]:
     good = (quality[:, 0] >= -hair) & (quality[:, 1] > 0.0)
     good &= quality[:, 2] >= scene.rules.cable_clearance - hair
     good &= quality[:, 3] >= scene.squad.platform.clearance - hair
+    good &= quality[:, 5] >= scene.rules.dexterity - hair
     return good & (quality[:, 4] <= scene.squad.winch.stored_length + hair)
 
 
@@ -249,7 +255,7 @@ def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:
     held = hold(scene, anchors, pull, place)
     if held.good[0]:
         return "none"
-    room, least, cables, body, longest = held.quality[0]
+    room, least, cables, body, longest, dexterity = held.quality[0]
     if not np.isfinite(room):
         return "the four cables do not balance the weight in space"
     if room < 0.0:
@@ -262,6 +268,10 @@ def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:
         return " against ".join(sorted(_bound_name(int(k), which) for k in {at_low, at_high}))
     if least <= 0.0:
         return "the equilibrium is unstable"
+    if dexterity < scene.rules.dexterity:
+        return (
+            f"the cables hardly steer the platform in their plane: {dexterity:.2f}, {scene.rules.dexterity:.2f} asked"
+        )
     if longest > scene.squad.winch.stored_length:
         return f"a cable would be {longest:.0f} m long, {scene.squad.winch.stored_length:.0f} m are stored"
     if cables < scene.rules.cable_clearance:

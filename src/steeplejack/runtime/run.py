@@ -18,13 +18,13 @@ from steeplejack.runtime import recorder as log
 from steeplejack.runtime.gait import TRANSITIONS, Phase, Progress, judge
 from steeplejack.runtime.plant import Command, Measurement, Plant
 from steeplejack.runtime.reference import LegReference
-from steeplejack.safety import BREACHES, HELD, Monitor
+from steeplejack.safety import BREACHES, HELD, NOT_A_NUMBER, Monitor
 from steeplejack.spatial import to_quaternion
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-INTERRUPTED = "interrupted by the operator"
+BY_OPERATOR = "interrupted by the operator"
 CONTROL_STEP = 1e-3  # [s]
 SAMPLE_EVERY = 50  # control steps between samples of the log
 SETTLE = 1.0  # [s] on the brakes with the palms closed, recorded, after a stop
@@ -79,12 +79,12 @@ class Supervisor:
         request = mission.request
         mass = squad.platform.mass + request.payload_kg
         self._controller = PlatformController(bay, squad, mass, gravity, request.tension_n)
-        self._monitor = Monitor(bay, squad, request.tension_n)
+        self._monitor = Monitor(bay, squad, mass * gravity, request.tension_n)
         self._attachments = np.array(squad.platform.attachments)
         self._references = [LegReference.of(leg) for leg in mission.legs]
         self._command = Command(np.zeros(4), np.zeros(4), np.zeros(4), np.ones(4, bool), np.zeros(4, bool))
         self._steps = 0
-        self._watch, self._tension = self._monitor.begin(np.zeros(4)), np.zeros(4)
+        self._watch, self._tension = np.empty(0), np.zeros(4)
         self._residual, self._status = 0.0, 0
 
     @property
@@ -97,7 +97,7 @@ class Supervisor:
         measured = self._plant.measure()
         first = self._references[0].at(0.0)
         state = self._controller.begin(first, measured.values)
-        self._watch, self._tension = self._monitor.begin(first.tension), first.tension
+        self._watch, self._tension = self._monitor.begin(first.tension, measured.clock), first.tension
         for index, reference in enumerate(self._references):
             state, setpoint, phase, why = self._leg(index, reference, state, step)
             if phase is Phase.STOPPED:
@@ -152,13 +152,14 @@ class Supervisor:
         if not np.isfinite(measured.values).all():
             # Nothing can be computed from such a reading; the squad stops on what it knew before.
             self._steps += 1
-            return state, measured, BREACHES[1]
+            return state, measured, BREACHES[NOT_A_NUMBER]
         after, output = self._controller.step(state, setpoint, measured.values, driven, CONTROL_STEP)
         self._status, self._residual = output.status, output.residual
         verdict = self._monitor.step(
             self._watch,
             measured.values,
             output.command,
+            self._command.grip,
             moving,
             setpoint.position,
             setpoint.rotation,
@@ -167,9 +168,10 @@ class Supervisor:
         self._watch, self._tension = verdict.state, verdict.tension
         self._steps += 1
         if verdict.code:
-            return after, measured, f"{BREACHES[verdict.code]} ({verdict.where + 1})"
+            where = f" ({verdict.where + 1})" if verdict.where >= 0 else ""
+            return after, measured, BREACHES[verdict.code] + where
         if self._asked_to_stop():
-            return after, measured, INTERRUPTED
+            return after, measured, BY_OPERATOR
         command = self._command
         command.pull, command.drive, command.turn = output.command
         self._plant.apply(command)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import njit
@@ -12,6 +12,7 @@ from steeplejack.mechanics.cable.suspension import directions
 from steeplejack.robots.squad.parameters import Squad
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 # What each code means; 0 is "all well".
 BREACHES = (
@@ -27,12 +28,19 @@ BREACHES = (
     "platform outside its fence: a cable is far from the length its place asks for",
     "grip lost: a base that should stand moves",
     "grip lost: palms of a base that should stand read below their preload",
-    "commanded wheel traction above its limit",
-    "commanded turning rate above its limit",
+    "commanded wheel traction above its limit, or on a base that should stand",
+    "commanded turning rate above its limit, or on a base that should stand",
+    "grip lost: a base that should stand turns about its stay",
+    "palms of a base that should stand are told to open",
+    "more than one base under way",
+    "commanded pull along the stay above the limit of its base",
+    "the cables do not balance the weight: the platform touches something or is far off its place",
 )
+NOT_A_NUMBER = 1
 
-# Share of the preload below which a closed palm counts as lost. Noise lets "closed" be seen from 0.92 on, seven standard
-# deviations of the sensor above; and 0.87 of the preload still holds a base at its rated pull on every stay of Table IV.
+# Share of the preload below which a closed palm counts as lost. Noise lets "closed" be seen from 0.92 on, seven
+# standard deviations of the sensor above; 0.87 of the preload still holds a base at its rated pull on every stay of
+# Table IV.
 HELD = 0.87
 
 
@@ -44,118 +52,116 @@ class Limits:
     tension: tuple[float, float]  # [N] least (slack) and largest measured tension
     hold: float  # [N] pull along the stay, gripped
     drive: float  # [N] pull along the stay, driving; wheel traction
+    allowance: float  # [N] of a commanded pull, for the friction and inertia it overcomes
     winch_speed: float  # [m/s]
     base_speed: float  # [m/s]
     fence: float  # [m] of a cable's length from the one its place asks for
     creep: float  # [m/s] of a gripped base
     palm: float  # [N] least preload of a gripped base
     turn_rate: float  # [rad/s] commanded, of a base about its stay
+    turn: float  # [rad] of a gripped base from where it gripped
+    imbalance: float  # [N] of measured tensions and weight
 
     @classmethod
-    def of(cls, squad: Squad, tension: tuple[float, float]) -> Limits:
-        """The limits of a machine and a working window.
-
-        Winch pulls may leave the window by the friction and inertia they overcome; measured tensions may exceed it by
-        the controller's own corrections and noise, 10 %, before that is a breach.
-        """
-        low, high = tension
-        slack, base = 2.0 * squad.winch.friction, squad.base
+    def of(cls, squad: Squad, tension: tuple[float, float], weight: float) -> Limits:
+        """The limits of a machine, a working window [N] and the weight of platform and payload [N]."""
+        (low, high), base, safety = tension, squad.base, squad.safety
+        allowance = safety.pull_allowance * squad.winch.friction
         return cls(
-            commanded=(max(0.0, low - 3.0 * slack), high + 3.0 * slack),
-            tension=(0.25 * low, 1.1 * high),
+            commanded=(max(0.0, low - allowance), high + allowance),
+            tension=(safety.slack_share * low, (1.0 + safety.tension_excess) * high),
             hold=base.hold_force,
             drive=base.drive_force,
+            allowance=allowance,
             winch_speed=squad.winch.max_speed,
             base_speed=base.max_speed,
-            fence=0.5,
-            creep=0.02,
+            fence=safety.fence,
+            creep=safety.creep,
             palm=HELD * squad.gripper.force,
             turn_rate=base.max_turn_rate,
+            turn=safety.turn,
+            imbalance=safety.imbalance * weight,
         )
 
     @property
-    def windows(self) -> Array:
-        """Least and largest commanded pull, least and largest measured tension (2, 2) [N], for the compiled check."""
-        return np.array([self.commanded, self.tension])
-
-    @property
-    def most(self) -> Array:
-        """The other limits (8,) in the order of the fields, for the compiled check."""
-        return np.array(
-            [
-                self.hold,
-                self.drive,
-                self.winch_speed,
-                self.base_speed,
-                self.fence,
-                self.creep,
-                self.palm,
-                self.turn_rate,
-            ]
-        )
+    def vector(self) -> Array:
+        """Every limit (15,) in the order of the fields, for the compiled check."""
+        return np.hstack([np.ravel(getattr(self, field.name)) for field in fields(self)])
 
 
 @njit(cache=True)
 def check(
     command: Array,
+    grip: Flags,
     tension: Array,
     pay_rate: Array,
     s_rate: Array,
     palm: Array,
-    moving: NDArray[np.bool_],
+    turned: Array,
+    moving: Flags,
     exits: Array,
     tangents: Array,
     attachments: Array,
     lengths: Array,
+    weight: Array,
     goal: Array,
     goal_rotation: Array,
-    windows: Array,
-    most: Array,
+    limits: Array,
 ) -> tuple[int, int]:
-    """Code of the first breach and the cable or base it concerns, 0 to 3; (0, -1) if all is well.
+    """Code of the first breach and the cable or base it concerns, 0 to 3, or -1; (0, -1) if all is well.
 
-    Cables run from their exits to the attachments of the platform at its goal: within the fence that turns a cable of
-    10 m by 3 deg at most. A number that is not finite, measured or commanded, is a breach of its own.
+    Cables run from their exits to the attachments of the platform at its goal. How far off it the platform can be and
+    still pass: half a metre in the plane of the cables, where lengths tell; out of that plane lengths change little and
+    only the balance of forces tells, by metres. A number that is not finite is a breach of its own.
 
     Args:
         command: Winch pulls [N], wheel tractions [N], turning rates [rad/s] (3, 4).
+        grip: Palms told to be closed (4,).
         tension: Measured tensions (4,) [N].
         pay_rate: Winch rates (4,) [m/s].
         s_rate: Base rates (4,) [m/s].
         palm: Palm preloads (4,) [N].
+        turned: Clock angles less those at which the bases gripped (4,) [rad].
         moving: Bases under way (4,).
         exits: Winch exits (4, 3) [m].
         tangents: Stay tangents there (4, 3).
         attachments: Attachments (4, 3) [m], platform frame.
         lengths: Loaded cable lengths as measured (4,) [m].
+        weight: Gravity force on platform and payload (3,) [N].
         goal: Reference position (3,) [m].
         goal_rotation: Reference orientation (3, 3).
-        windows: See ``Limits.windows``.
-        most: See ``Limits.most``.
+        limits: See ``Limits.vector``.
     """
-    hold, drive, winch_speed, base_speed, fence, creep, preload, turn_rate = most
+    (least, most, slack, tight, hold, drive, allowance, winch_speed, base_speed,
+     fence, creep, preload, turn_rate, turn, imbalance) = limits  # fmt: skip
     u, asked = directions(exits, attachments, goal, goal_rotation)
+    under_way = 0
     for i in range(4):
-        pull, traction, turn = command[0, i], command[1, i], command[2, i]
-        along = tension[i] * abs(u[i, 0] * tangents[i, 0] + u[i, 1] * tangents[i, 1] + u[i, 2] * tangents[i, 2])
-        away = abs(lengths[i] - asked[i])
+        pull, traction, turning = command[0, i], command[1, i], command[2, i]
+        share = abs(u[i, 0] * tangents[i, 0] + u[i, 1] * tangents[i, 1] + u[i, 2] * tangents[i, 2])
+        along, away = tension[i] * share, abs(lengths[i] - asked[i])
         # One number that is not finite makes the sum so; comparisons with it below would all be false.
-        if not np.isfinite(pull + traction + turn + along + away + pay_rate[i] + s_rate[i] + palm[i]):
+        numbers = pull + traction + turning + along + away + pay_rate[i] + s_rate[i] + palm[i] + turned[i]
+        if not np.isfinite(numbers):
             return 1, i
-        if pull < windows[0, 0] or pull > windows[0, 1]:
+        if pull < least or pull > most:
             return 2, i
-        if abs(traction) > drive:
+        if abs(traction) > (drive if moving[i] else 0.0):
             return 12, i
-        if abs(turn) > turn_rate:
+        if abs(turning) > (turn_rate if moving[i] else 0.0):
             return 13, i
-        if tension[i] > windows[1, 1]:
+        if not moving[i] and not grip[i]:
+            return 15, i
+        if tension[i] > tight:
             return 3, i
-        if tension[i] < windows[1, 0]:
+        if tension[i] < slack:
             return 4, i
         if not moving[i] and along > hold:
             return 5, i
         if moving[i] and along > drive:
             return 6, i
+        if (pull - allowance) * share > (drive if moving[i] else hold):
+            return 17, i
         if abs(pay_rate[i]) > winch_speed:
             return 7, i
         if abs(s_rate[i]) > base_speed:
@@ -164,6 +170,23 @@ def check(
             return 11, i
         if not moving[i] and abs(s_rate[i]) > creep:
             return 10, i
+        if not moving[i] and abs(turned[i]) > turn:
+            return 14, i
         if away > fence:
             return 9, i
-    return 0, -1
+        under_way += 1 if moving[i] else 0
+    if under_way > 1:
+        return 16, -1
+    return (18, -1) if unbalanced(u, tension, weight) > imbalance else (0, -1)
+
+
+@njit(cache=True)
+def unbalanced(u: Array, tension: Array, weight: Array) -> float:
+    """Size of the force [N] that four tensions along ``u`` (4, 3) leave of a weight (3,) [N]."""
+    square = 0.0
+    for k in range(3):
+        force = weight[k]
+        for i in range(4):
+            force += tension[i] * u[i, k]
+        square += force * force
+    return np.sqrt(square)

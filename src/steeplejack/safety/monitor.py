@@ -2,8 +2,8 @@
 
 Every command, and the readings it answers, are checked before the command leaves. A breach names one cause; the runtime
 then stops the squad on its brakes. Nothing is taken over from the controller: tensions are filtered here from motor
-currents and winch encoders, winch exits follow from wheel encoders, inclinometers and the monitor's own tables of the
-stays, and the fence is held in cable lengths, which no estimate of the pose can hide.
+currents and winch encoders, winch exits follow from wheel encoders, inclinometers and the geometry of the stays, and
+the platform's place is judged by cable lengths and by the balance of forces at the place the mission asks for.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FORCE_FILTER = 0.01  # [s] on measured tensions; an overload of 20 % is seen after 2 ms
-WHEEL_FILTER = 0.05  # [s] on wheel rates, which encoders give in steps
+WHEEL_FILTER = 0.05  # [s] on wheel rates, which encoders give in steps, and on inclinometers
 FRICTION_RATE = 0.005  # [m/s] of winch rate over which Coulomb friction changes sign
 
 
@@ -42,30 +42,31 @@ class Monitor:
     Args:
         bay: The stays the bases ride on.
         squad: The machine.
+        weight: Gravity force on platform and payload (3,) [N].
         tension: Working window of the driving cables [N].
     """
 
-    def __init__(self, bay: Bay, squad: Squad, tension: tuple[float, float]) -> None:
+    def __init__(self, bay: Bay, squad: Squad, weight: Array, tension: tuple[float, float]) -> None:
         winch = squad.winch
         reflected = winch.rotor_inertia * (winch.ratio / winch.drum_radius) ** 2
-        limits = Limits.of(squad, tension)
         self._rails = tabulate(bay)
         self._machine = (
             np.array(squad.platform.attachments),
             np.array([squad.base.exit_offset, winch.friction, reflected, squad.cable.axial_stiffness]),
-            limits.windows,
-            limits.most,
+            weight,
+            Limits.of(squad, tension, float(np.linalg.norm(weight))).vector,
         )
 
-    def begin(self, tension: Array) -> Array:
-        """The state to start from: at rest under the tensions (4,) [N] planned for the first waypoint."""
-        return np.concatenate([tension, np.zeros(8)])
+    def begin(self, tension: Array, clock: Array) -> Array:
+        """The state to start from: at rest under planned tensions (4,) [N], gripped at clock angles (4,) [rad]."""
+        return np.concatenate([tension, np.zeros(8), clock, clock])
 
     def step(
         self,
         state: Array,
         reading: Array,
         command: Array,
+        grip: Flags,
         moving: Flags,
         goal: Array,
         goal_rotation: Array,
@@ -74,17 +75,18 @@ class Monitor:
         """Check one command.
 
         Args:
-            state: From the step before (12,).
+            state: From the step before (20,).
             reading: Measurements it answers (7, 4), rows as in ``runtime.plant.Measurement``.
             command: Winch pulls [N], wheel tractions [N] and turning rates [rad/s] (3, 4).
+            grip: Palms told to be closed (4,).
             moving: Bases under way, from open palms to verified grip (4,).
             goal: Where the mission wants the platform (3,) [m].
             goal_rotation: Its orientation there (3, 3).
             dt: Time since the step before [s].
         """
-        after, tension = np.empty(12), np.empty(4)
+        after, tension = np.empty(20), np.empty(4)
         code, where = _step(
-            state, reading, command, moving, goal, goal_rotation, dt, self._rails, *self._machine, after, tension
+            state, reading, command, grip, moving, goal, goal_rotation, dt, self._rails, *self._machine, after, tension
         )
         return Verdict(after, code, where, tension)
 
@@ -94,6 +96,7 @@ def _step(
     before: Array,
     reading: Array,
     command: Array,
+    grip: Flags,
     moving: Flags,
     goal: Array,
     goal_rotation: Array,
@@ -101,20 +104,22 @@ def _step(
     rails: Array,
     attachments: Array,
     machine: Array,
-    windows: Array,
-    most: Array,
+    weight: Array,
+    limits: Array,
     after: Array,
     tension: Array,
 ) -> tuple[int, int]:
     offset, friction, reflected, elasticity = machine
     filter_readings(before, reading, friction, reflected, dt, after, tension)
-    lengths = np.empty(4)
+    lengths, turned = np.empty(4), np.empty(4)
     for i in range(4):
         lengths[i] = reading[0, i] * (1.0 + tension[i] / elasticity)
+        after[16 + i] = after[12 + i] if moving[i] else before[16 + i]
+        turned[i] = after[12 + i] - after[16 + i]
     exits, tangents = winch_exits(rails, RAIL_STEP, offset, reading[3], reading[5])
     return check(
-        command, tension, reading[1], after[8:12], reading[6], moving,
-        exits, tangents, attachments, lengths, goal, goal_rotation, windows, most,
+        command, grip, tension, reading[1], after[8:12], reading[6], turned, moving,
+        exits, tangents, attachments, lengths, weight, goal, goal_rotation, limits,
     )  # fmt: skip
 
 
@@ -128,7 +133,7 @@ def filter_readings(
     pass one low-pass; its memory gives the derivative, ``(v - LP(v)) / tau``, without differencing encoder steps.
 
     Args:
-        before: Low-passed motor forces [N], winch rates [m/s] and wheel rates [m/s] (12,).
+        before: Low-passed motor forces [N], winch rates [m/s], wheel rates [m/s] and clock angles [rad] (16+,).
         reading: Measurements (7, 4).
         friction: Of the winch [N].
         reflected: Rotor mass at the cable [kg].
@@ -143,4 +148,5 @@ def filter_readings(
         after[i] = before[i] + share * (felt - before[i])
         after[4 + i] = before[4 + i] + share * (rate - before[4 + i])
         after[8 + i] = before[8 + i] + slow * (reading[4, i] - before[8 + i])
+        after[12 + i] = before[12 + i] + slow * (reading[5, i] - before[12 + i])
         tension[i] = after[i] + reflected * (rate - after[4 + i]) / FORCE_FILTER

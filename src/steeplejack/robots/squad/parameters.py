@@ -143,6 +143,18 @@ class Controller(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True)
     moment_noise: Positive
 
 
+class Safety(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """How far readings and commands may stray before the squad stops on its brakes."""
+
+    tension_excess: NonNegative
+    slack_share: Positive
+    pull_allowance: NonNegative
+    fence: Positive
+    imbalance: Positive
+    creep: Positive
+    turn: Positive
+
+
 class Simulation(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What the physics needs beyond the machine itself."""
 
@@ -161,6 +173,7 @@ class Squad(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     cable: Cable
     motion: Motion
     controller: Controller
+    safety: Safety
     simulation: Simulation
 
 
