@@ -111,6 +111,25 @@ def test_a_window_without_end_in_the_robot_file(steeplejack: Run, folder: Path) 
     refused(steeplejack, folder, [*BAY, "--robot", "robot.toml"], ("[cable] tension", "20 inf"))
 
 
+@pytest.mark.parametrize(("low", "high", "words"), [
+    ("3.9", "250.0", ("[cable] tension: 3.9 N", "from 4 N")),
+    ("20.0", "478.1", ("[cable] tension: 478.1 N", "up to 478 N")),
+])  # fmt: skip
+def test_a_window_the_winches_cannot_keep_in_the_robot_file(
+    steeplejack: Run, folder: Path, low: str, high: str, words: tuple[str, ...]
+) -> None:
+    (folder / "robot.toml").write_text(ROBOT.replace("tension = [20.0, 250.0]", f"tension = [{low}, {high}]"))
+    refused(steeplejack, folder, [*BAY, "--robot", "robot.toml"], words)
+    assert steeplejack("check", "ecs620-like", "--robot", "robot.toml").code == 0
+
+
+def test_the_window_asked_for_takes_the_place_of_the_robot_files(steeplejack: Run, folder: Path) -> None:
+    """Both ends included: from twice the friction to all the winch pulls; the next mistake is then found."""
+    (folder / "robot.toml").write_text(ROBOT.replace("tension = [20.0, 250.0]", "tension = [0.0, 1e6]"))
+    robot = ["--robot", "robot.toml", "--tension-n", "4", "478", "--payload-kg", "-1"]
+    refused(steeplejack, folder, [*BAY, *robot], ("--payload-kg",))
+
+
 INSPECT = ["inspect", "ecs620-like", "--fan", "T1L-main"]
 BAY = [*INSPECT, "--stays", "5:9"]
 MAP = ["map", "table-iii", "--phi-deg", "50", "--step-m", "0.05"]
@@ -132,6 +151,11 @@ OPTIONS = {
     "tension below nothing": ([*BAY, "--tension-n", "-5", "250"], ("--tension-n",)),
     "tension of no number": ([*BAY, "--tension-n", "nan", "250"], ("--tension-n",)),
     "tension without end": ([*BAY, "--tension-n", "20", "inf"], ("--tension-n",)),
+    "tension no current tells from slack": (
+        [*BAY, "--tension-n", "0", "250"],
+        ("--tension-n: 0 N", "from 4 N", "slack"),
+    ),
+    "tension no winch pulls": ([*BAY, "--tension-n", "20", "1e6"], ("--tension-n: 1e+06 N", "up to 478 N")),
     "negative payload": ([*BAY, "--payload-kg", "-1"], ("--payload-kg", "-1")),
     "payload of no number": ([*BAY, "--payload-kg", "nan"], ("--payload-kg",)),
     "unknown face": ([*BAY, "--face", "left"], ("--face",)),
@@ -144,6 +168,7 @@ OPTIONS = {
     "no such worksite": (["check", "nowhere"], ("worksite nowhere", "ecs620-like")),
     "no such file": (["check", "nowhere.csv"], ("nowhere.csv", "No such file")),
     "no such robot": (["check", "ecs620-like", "--robot", "nobody"], ("nobody", "ccrobot-s")),
+    "a folder for a worksite": (["check", "."], ("worksite .: a folder", ".toml or .csv")),
     "a folder for a robot": (["check", "ecs620-like", "--robot", "."], ("directory",)),
     "no such log": (["report", "nowhere.mcap"], ("nowhere.mcap", "no such file")),
     "no such command": (["fly"], ("fly",)),
@@ -205,6 +230,14 @@ OPTIONS = {
 def test_options(steeplejack: Run, folder: Path, name: str) -> None:
     arguments, words = OPTIONS[name]
     refused(steeplejack, folder, list(arguments), words)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("stays.xlsx", ".xlsx"), ("stays", "(no suffix)")])
+@pytest.mark.parametrize("command", ["check", "inspect"])
+def test_a_worksite_file_of_unknown_kind(steeplejack: Run, folder: Path, command: str, name: str, kind: str) -> None:
+    """It is there, so it is not told that it is not."""
+    (folder / name).write_bytes(schedule())
+    refused(steeplejack, folder, [command, name], (f"{name}: a file of unknown kind {kind}; a .toml or .csv file",))
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00" * 64, b"\x89MCAP0\r\n", b"cable_id,tower\n"])

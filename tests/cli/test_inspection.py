@@ -11,12 +11,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
+import numpy as np
 import pytest
 from command_line import PROGRAM, Outcome
 
 from steeplejack.cli.inspect import show_summary
+from steeplejack.cli.terminal import emit
 from steeplejack.planning import decode
-from steeplejack.report import read_log
+from steeplejack.planning.mission import Uncovered
+from steeplejack.report import Summary, analyse, read_log
+from steeplejack.report.analysis import Range, Size, Spread
+from steeplejack.report.limits import limits
 
 BAY = "inspect ecs620-like --fan T1L-main --stays 5:7 --from-m 30 --no-pictures --out out --json".split()
 SPREAD = {"mean", "std"}
@@ -42,6 +48,12 @@ KEYS: dict[str, set[str] | type | tuple[type, ...]] = {
     "report": str,
     "mission": str,
 }
+GUO = Path(__file__).parents[2].parent / "shared" / "data" / "guo2019" / "stays.csv"
+REAL = pytest.param(
+    str(GUO),
+    id="guo2019",
+    marks=pytest.mark.skipif(not GUO.exists(), reason="../shared/data/guo2019/stays.csv is not here"),
+)
 PATIENCE = 240.0  # [s] compiling every kernel included
 
 
@@ -97,6 +109,28 @@ def test_the_whole_job(inspection: Run) -> None:
     assert answer["real_time_factor"] > 0.0
 
 
+@pytest.mark.parametrize("worksite", [REAL, "russky-like"])
+def test_the_same_command_on_other_bridges(tmp_path: Path, worksite: str) -> None:
+    """Three metres of a real bridge's leaning, curved plane, and of one of which little is known."""
+    options = "--stays 5:7 --from-m 25 --to-m 28 --accept-unknown --no-pictures --out out --json".split()
+    command = [*PROGRAM, "inspect", worksite, *options]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    run = Run(done.returncode, done.stdout, done.stderr.splitlines(), tmp_path)
+    complete(run)
+    answer = run.answer
+    assert answer["faults"] == answer["not_covered"] == []
+    assert answer["coverage_fraction"] == pytest.approx(1.0)
+    assert answer["min_slip_margin"] > 0.1
+    for key, mean, std in (("along", 2.0, 2.0), ("across", 2.0, 2.0), ("stand_off", 3.0, 5.0)):
+        error = answer[f"error_{key}_mm"]
+        assert abs(error["mean"]) < mean and error["std"] < std, key
+    assert answer["absolute_error_mm"]["max"] < 15.0
+    log = read_log(tmp_path / "out" / "run.mcap")
+    assert any("diameter: the machine's largest, 120 mm" in words for words in log.mission.assumed)
+    assert all(limit.held for limit in limits(log, analyse(log)))
+
+
 def test_the_window_is_the_robot_files(inspection: Run, squad: Any) -> None:
     log = read_log(inspection.folder / inspection.answer["log"])
     assert log.mission.request.tension_n == squad.cable.tension
@@ -120,12 +154,58 @@ def test_a_person_gets_the_same_in_words(inspection: Run, capsys: pytest.Capture
     whole = capsys.readouterr().out
     assert "covered, faced sector   100.0 %" in whole
     assert all(answer[key] in whole for key in ("log", "report", "mission"))
-    nothing = {key: dict.fromkeys(kind) for key, kind in KEYS.items() if isinstance(kind, set)}
-    gap = {"stay": "T1L-M06", "from_m": 30.0, "to_m": 32.0, "why": "the run ended early"}
-    show_summary(answer | nothing | {"coverage_fraction": 0.0, "not_covered": [gap]})
+
+
+@pytest.fixture
+def nothing() -> dict[str, Any]:
+    """The answer of a run that ended before it saw anything, made as the command makes it."""
+    spread = Spread(np.nan, np.nan)
+    summary = Summary(
+        coverage_fraction=0.0,
+        clock_coverage=0.0,
+        not_covered=(Uncovered("T1L-M06", 30.0, 32.0, "the run ended early"),),
+        duration_s=0.05,
+        distance_m=0.0,
+        stances=0,
+        moves=0,
+        max_tension_n=120.0,
+        min_slip_margin=0.4,
+        min_tension_factor=np.nan,
+        stand_off_m=Range(np.nan, np.nan),
+        error_along_mm=spread,
+        error_across_mm=spread,
+        error_stand_off_mm=spread,
+        absolute_error_mm=Size(np.nan, np.nan),
+        faults=("cable slack (4)",),
+    )
+    files = {name: f"out/{name}" for name in ("log", "report", "mission")}
+    return msgspec.to_builtins(summary) | {"real_time_factor": 0.1} | files
+
+
+def test_a_person_is_shown_no_nan(nothing: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    show_summary(nothing)
     early = capsys.readouterr().out
+    assert "nan" not in early
+    assert "stand-off               ? m\n" in early
+    assert "error along the stay    ? +- ? mm\n" in early
     assert "mean ?, max ? mm" in early
     assert early.endswith("not covered: T1L-M06 30.0-32.0 m: the run ended early\n")
+
+
+@pytest.mark.parametrize(("span", "words"), [((0.548, 0.551), "0.55 m"), ((0.548, 0.62), "0.55-0.62 m")])
+def test_one_figure_where_both_ends_are_printed_alike(
+    nothing: dict[str, Any], span: tuple[float, float], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    show_summary(nothing | {"stand_off_m": dict(zip(("min", "max"), span, strict=True))})
+    assert f"stand-off               {words}\n" in capsys.readouterr().out
+
+
+def test_what_is_not_a_number_is_null_to_a_program(nothing: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    emit(nothing)
+    answer = Outcome(0, *capsys.readouterr()).answer  # refuses NaN, which is no JSON
+    assert answer["min_tension_factor"] is None
+    assert answer["stand_off_m"] == {"min": None, "max": None}
+    assert answer["error_along_mm"] == answer["error_stand_off_mm"] == {"mean": None, "std": None}
 
 
 def interrupted(folder: Path, arguments: list[str], when: Callable[[], bool]) -> Run:

@@ -63,6 +63,8 @@ class Run:
     picture_format: str = "png"
     assumed: tuple[str, ...] = ()
     margin: float = 0.4
+    turn: Array = field(default_factory=lambda: np.eye(3))  # actual from desired rotation, platform frame
+    actual: Squad | None = None  # that physics ran, where it is not the file's
 
 
 def png() -> bytes:
@@ -147,6 +149,8 @@ def write_run(path: Path, run: Run | None = None, samples: int = 120) -> Path:
     )
     recorder.write("/worksite", Site("small", "made up", GRAVITY, stays, verdicts), 0.0)
     recorder.write("/robot", SQUAD, 0.0)
+    if run.actual is not None:
+        recorder.write("/robot/actual", run.actual, 0.0)
     recorder.write("/mission", mission_of(run, bay, legs), 0.0)
     recorder.write("/seed", Seed(7, "0.0.0"), 0.0)
     if run.picture is not None:
@@ -175,6 +179,7 @@ def _states(run: Run, bay: Bay, number: int, leg: Leg, span: Span, since: float,
     desired = bay.place(places[:, 0], places[:, 1], places[:, 2])
     axes = bay.frame(1.5, 0.5 * (FROM + TO))  # the same everywhere: the stays are straight and parallel
     quaternion, tension = to_quaternion(axes).tolist(), list(TENSION)
+    turned = to_quaternion(axes @ run.turn).tolist()
     measured, _tangents, _arms = exits(bay, SQUAD, s, facing(bay, s, bay.place(1.5, 0.5 * (FROM + TO), 0.6)))
     for i in range(samples):
         time = since + STEP * i
@@ -182,7 +187,7 @@ def _states(run: Run, bay: Bay, number: int, leg: Leg, span: Span, since: float,
         yield State(
             time, number, phase, leg.stay or "", 3 if phase == "drive" else 0,
             desired[i].tolist(), desired[i].tolist(), (desired[i] + run.offset(i, axes)).tolist(),
-            quaternion, quaternion, quaternion, [0.0, 0.0, 0.0],
+            quaternion, quaternion, turned, [0.0, 0.0, 0.0],
             tension, tension, tension, 170.0, 100.0, run.margin, [0.6, 0.5, run.margin, 0.7], 0.3,
             *3 * [s[i].tolist()], measured[i].tolist(), (measured[i] + run.drift).tolist(), 0.001, 0,
         )  # fmt: skip

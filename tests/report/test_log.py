@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from small_run import SQUAD, Run, bay_of, png, write_run
@@ -29,6 +30,13 @@ def test_a_log_comes_back_as_it_was_written(whole: Path):
     assert log.states.actual_rotation.shape == (480, 3, 3)
     np.testing.assert_allclose(np.diff(log.states.time), 0.05)
     assert [picture.data for picture in log.pictures] == [png()]
+
+
+def test_the_machine_that_physics_ran_comes_back_where_it_was_another(whole: Path, tmp_path: Path):
+    assert read_log(whole).actual == SQUAD
+    other = msgspec.structs.replace(SQUAD, winch=msgspec.structs.replace(SQUAD.winch, friction=6.0))
+    log = read_log(write_run(tmp_path / "run.mcap", Run(actual=other)))
+    assert (log.squad, log.actual) == (SQUAD, other)
 
 
 @pytest.mark.parametrize("share", np.linspace(0.0, 0.999, 23).tolist())

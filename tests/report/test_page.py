@@ -7,17 +7,19 @@ from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
-from small_run import FROM, TO, Run, png, write_run
+from small_run import FROM, SQUAD, TO, Run, png, write_run
 
 from steeplejack.errors import InputError
 from steeplejack.planning.mission import Uncovered
 from steeplejack.report import Summary, analyse, read_log, write_report
 from steeplejack.report.analysis import Spread
+from steeplejack.report.figures.accuracy import path_figure
 from steeplejack.report.figures.style import spells, thin
 from steeplejack.report.html import Markup, element, table, text
-from steeplejack.report.notation import clock, minutes, number, spread
+from steeplejack.report.notation import between, clock, minutes, number, spread
 from steeplejack.report.verdict import headline
 
 EVIL = '<script>alert("1")</script>&$x_{\'"><img src=http://evil.example/x>'
@@ -154,6 +156,19 @@ def test_the_headline_of_a_whole_run(tmp_path: Path):
     assert "Inspected: 12.0 m of 12.0 m asked for (100.0 %), and every limit held" in told(tmp_path, Run())
 
 
+def test_the_headline_says_what_one_face_shows(tmp_path: Path):
+    words = told(tmp_path, Run())
+    assert re.search(r"Seen all round: \d\d\.\d %, about what one face can show\.", words)
+
+
+def test_the_headline_names_where_physics_ran_another_machine(tmp_path: Path):
+    assert "other than the file" not in told(tmp_path, Run())
+    changed = {"friction": 6.0, "current_noise": 0.2}
+    other = msgspec.structs.replace(SQUAD, winch=msgspec.structs.replace(SQUAD.winch, **changed))
+    words = told(tmp_path, Run(actual=other))
+    assert "Physics ran a machine other than the file: winch.friction, winch.current_noise." in words
+
+
 def test_the_headline_of_a_partial_plan(tmp_path: Path):
     words = told(tmp_path, Run(legs=(0,), uncovered=(Uncovered("S2", FROM, TO, "slack"),)))
     assert "Partly inspected" in words and "1 stretch not covered" in words
@@ -162,6 +177,31 @@ def test_the_headline_of_a_partial_plan(tmp_path: Path):
 def test_a_limit_that_did_not_hold_is_the_headline(tmp_path: Path):
     words = told(tmp_path, Run(margin=-0.02))
     assert "not every limit held" in words and "Not held: pull along the stays" in words
+
+
+@pytest.fixture(scope="module")
+def narrow(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One interior stay, flown along once."""
+    return write_run(tmp_path_factory.mktemp("narrow") / "run.mcap", Run(names=("B0", "S1", "B2"), legs=(0,)))
+
+
+def test_one_interior_stay_is_drawn_as_large_as_many(narrow: Path, tmp_path: Path):
+    """In one scale both ways it would be a line of no height."""
+    heights = [
+        float(re.search(r'<svg[^>]* height="([\d.]+)pt"', path_figure(read_log(log)))[1])  # pyright: ignore
+        for log in (narrow, write_run(tmp_path / "run.mcap"))
+    ]
+    assert heights[0] == pytest.approx(heights[1], rel=0.2)
+    assert "across [m], to a larger scale" in path_figure(read_log(narrow))
+    assert "to a larger scale" not in path_figure(read_log(tmp_path / "run.mcap"))
+
+
+def test_words_for_one_of_a_thing(narrow: Path, tmp_path: Path):
+    write_report(narrow, tmp_path / "report.html")
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Phases of the run: 1<" in html
+    assert "0.60 <small>m</small>" in html
+    assert "0.60–0.60" not in html
 
 
 def test_a_run_that_inspected_nothing_still_has_a_report_and_strange_pictures_are_left_out(tmp_path: Path):
@@ -197,6 +237,7 @@ def test_spells_are_runs_of_true():
 
 def test_notation():
     assert (number(-0.01), spread(Spread(-0.01, 2.0)), spread(Spread(np.nan, np.nan))) == ("0.0", "+0.0 ± 2.0", "–")
+    assert (between(0.548, 0.551, 2), between(-0.5, 0.62), between(np.nan, np.nan)) == ("0.55", "−0.5–0.6", "–")
     assert (number(-1.25), number(float("nan")), minutes(179.6), clock(59.96)) == ("−1.2", "–", "3 min 00 s", "1:00.0")
 
 

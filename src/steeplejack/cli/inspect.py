@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -101,8 +102,21 @@ def inspect(
 
 
 def _window(asked: tuple[float, float] | None, squad: Squad) -> tuple[float, float]:
-    """The working window [N], as asked for or the robot file's."""
-    return window("[cable] tension", *squad.cable.tension) if asked is None else window("--tension-n", *asked)
+    """The working window [N], as asked for or the robot file's, where the winches can tell and pull it.
+
+    Motor currents tell a tension give or take the winch's friction, so a cable kept at less than twice that is not
+    told from a slack one; a winch that pulls in leaves the cable what its motor gives less friction.
+    """
+    where, (low, high) = ("[cable] tension", squad.cable.tension) if asked is None else ("--tension-n", asked)
+    low, high = window(where, low, high)
+    winch = squad.winch
+    least = 2.0 * winch.friction
+    most = winch.max_torque * winch.ratio / winch.drum_radius - winch.friction
+    if low < least:
+        raise InputError(where, f"{low:g} N", f"from {least:g} N: under twice the winch's friction it may be slack")
+    if high > most:
+        raise InputError(where, f"{high:g} N", f"up to {most:.4g} N, what the winch can pull")
+    return low, high
 
 
 def _planned(
@@ -155,7 +169,7 @@ def show_summary(answer: dict[str, Any]) -> None:
         "stances, squad moves": f"{answer['stances']}, {answer['moves']}",
         "duration": f"{answer['duration_s'] / 60:.1f} min, {answer['real_time_factor']:.1f} times real time",
         "platform travel": f"{answer['distance_m']:.0f} m",
-        "stand-off": f"{_figure(off['min'], '.2f')}-{_figure(off['max'], '.2f')} m",
+        "stand-off": f"{_between(off['min'], off['max'], '.2f')} m",
         "largest tension": f"{answer['max_tension_n']:.0f} N",
         "least slip margin": f"{answer['min_slip_margin']:.3f}",
         "error along the stay": f"{_figure(along['mean'], '+.1f')} +- {_figure(along['std'], '.1f')} mm",
@@ -169,8 +183,13 @@ def show_summary(answer: dict[str, Any]) -> None:
         print(f"not covered: {gap['stay']} {gap['from_m']:.1f}-{gap['to_m']:.1f} m: {gap['why']}")
 
 
-def _figure(value: float | None, form: str) -> str:
-    return "?" if value is None else format(value, form)
+def _figure(value: float, form: str) -> str:
+    return "?" if math.isnan(value) else format(value, form)
+
+
+def _between(low: float, high: float, form: str) -> str:
+    """Two ends of a range, or one figure where both are printed alike."""
+    return "-".join(dict.fromkeys(_figure(value, form) for value in (low, high)))
 
 
 def report(

@@ -66,20 +66,27 @@ def bar(title: str, total: float | None) -> Generator[Callable[[float], None]]:
 
 @contextmanager
 def stoppable() -> Generator[Callable[[], bool]]:
-    """While it lasts, the first Ctrl-C is only noted: the callable tells whether it came. A second one interrupts."""
-    asked = False
-    before = signal.getsignal(signal.SIGINT)
+    """While it lasts, the first Ctrl-C and the first SIGTERM are only noted: the callable tells whether one came.
 
-    def note(_signal: int, _frame: FrameType | None) -> None:
+    A second one does what it would have done before. A signal that whoever started the program had it ignore, or that
+    something outside Python handles, is left alone.
+    """
+    asked = False
+    found = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: handler for number, handler in found.items() if handler not in (None, signal.SIG_IGN)}
+
+    def note(number: int, _frame: FrameType | None) -> None:
         nonlocal asked
         asked = True
-        signal.signal(signal.SIGINT, before)
+        signal.signal(number, before[signal.Signals(number)])
 
-    signal.signal(signal.SIGINT, note)
+    for number in before:
+        signal.signal(number, note)
     try:
         yield lambda: asked
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def bridge(worksite: str) -> Bridge:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from steeplejack.robots.squad.adhesion import min_grip_force
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.worksite import Stay
-from steeplejack.worksite.bridge import GRAVITY
+from steeplejack.worksite.chord import Point
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Verdict:
         return None if self.unknown else True
 
 
-def holding_force(squad: Squad, radius: float, inclination: float) -> float:
+def holding_force(squad: Squad, radius: float, inclination: float, gravity: Point) -> float:
     """Least palm force that holds a base at its rated pull on a stay (Eq. 17).
 
     The rated pull is a component along the stay, so it counts as on a vertical one; the base's own weight hangs at the
@@ -37,6 +37,7 @@ def holding_force(squad: Squad, radius: float, inclination: float) -> float:
         squad: The machine.
         radius: Of the stay [m].
         inclination: Of the stay against the horizontal [rad].
+        gravity: Of the worksite (3,) [m/s2].
 
     Returns:
         The force [N].
@@ -46,14 +47,19 @@ def holding_force(squad: Squad, radius: float, inclination: float) -> float:
     """
     base, gripper = squad.base, squad.gripper
     shape = (gripper.friction, gripper.joint_distance, gripper.joint_height)
-    loads = ((base.hold_force, 0.5 * math.pi), (-base.mass * GRAVITY[2], inclination))
+    loads = ((base.hold_force, 0.5 * math.pi), (base.mass * math.hypot(*gravity), inclination))
     return sum(min_grip_force(load, radius, angle, gripper.palm_length, "+", *shape).min_force for load, angle in loads)
 
 
-def check(stay: Stay, squad: Squad) -> Verdict:
+def check(stay: Stay, squad: Squad, gravity: Point) -> Verdict:
     """Compare a stay with the machine's limits; ranges include both ends.
 
     Weight and tension only shape the curve (a chord is used without them), so they decide nothing here.
+
+    Args:
+        stay: A stay.
+        squad: The machine.
+        gravity: Of the worksite (3,) [m/s2].
     """
     base, reasons, unknown = squad.base, [], []
     low, high = base.stay_diameter
@@ -61,7 +67,7 @@ def check(stay: Stay, squad: Squad) -> Verdict:
         unknown.append("diameter")
     elif not low <= stay.diameter <= high:
         reasons.append(f"diameter {1e3 * stay.diameter:.4g} mm outside {1e3 * low:.0f}-{1e3 * high:.0f} mm")
-    elif (needed := holding_force(squad, 0.5 * stay.diameter, stay.inclination)) > squad.gripper.force:
+    elif (needed := holding_force(squad, 0.5 * stay.diameter, stay.inclination, gravity)) > squad.gripper.force:
         reasons.append(f"palms press {squad.gripper.force:.0f} N, a base at its rated pull needs {needed:.0f} N there")
     if stay.inclination > base.max_inclination:
         limit = math.degrees(base.max_inclination)

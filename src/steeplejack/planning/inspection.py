@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from steeplejack.errors import InfeasibleError
+from steeplejack.errors import InfeasibleError, SteeplejackError
 from steeplejack.planning.certificate import Scene, hold, meets
 from steeplejack.planning.lattice import SAMPLE, Lattice, profile_along, runs, visible_levels
 from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered, Waypoint
@@ -301,8 +301,8 @@ def _joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
 def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, number: int) -> Leg:
     """Change the tensions at one place, through equilibria, all bases gripped.
 
-    Both ends lie in the family ``t_p + lambda n`` of one place and within the limits of gripped bases, which are
-    linear in the tensions: so does everything between.
+    Both ends lie in the family ``t_p + lambda n`` of one place and within the limits of gripped bases, so what lies
+    between nearly does; each step is certified with its own orientation.
     """
     most = float(np.max(np.abs(change)))
     share = np.linspace(0.0, 1.0, max(3, int(np.ceil(most / BRACE_SAMPLE)) + 1))
@@ -328,7 +328,8 @@ def _waypoints(
 ) -> tuple[Waypoint, ...]:
     held = hold(scene, anchors, pull, places, target)
     # Every caller has certified these places; what differs is the rounding of the file.
-    assert meets(scene, held.quality, ROUNDING).all()
+    if not meets(scene, held.quality, ROUNDING).all():
+        raise SteeplejackError(f"a waypoint near s = {places[0, 1]:.1f} m does not meet the limits it was planned for")
     return tuple(
         Waypoint(
             round(float(travel[j]), 6),

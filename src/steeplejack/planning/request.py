@@ -13,6 +13,7 @@ from steeplejack.planning.inspection import held_fraction
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.worksite import Bridge, Fan, Stay
+from steeplejack.worksite.chord import Point
 
 SHAPE = ("weight", "tension")  # data without which a stay's sag is not known
 USUAL = (5, 9)  # the bay tried first
@@ -22,7 +23,7 @@ STARTS = (20.0, 30.0, 40.0, 15.0, 50.0, 60.0, 80.0)  # [m] where such a stretch 
 
 def verdicts(bridge: Bridge, squad: Squad) -> tuple[Verdict, ...]:
     """The verdict on every stay of a bridge."""
-    return tuple(check(stay, squad) for fan in bridge.fans.values() for stay in fan.stays)
+    return tuple(check(stay, squad, bridge.gravity) for fan in bridge.fans.values() for stay in fan.stays)
 
 
 def choose_bay(
@@ -46,7 +47,7 @@ def choose_bay(
     for each in _fans(bridge, fan, stays):
         for first, last in [stays] if stays else _bays(each):
             within = each.between(first, last)
-            found = [_verdict(stay, squad) for stay in within]
+            found = [_verdict(stay, squad, bridge.gravity) for stay in within]
             bad = [verdict for verdict in found if verdict.fits is False]
             open_ = [verdict for verdict in found if verdict.fits is None]
             refusals += bad
@@ -82,9 +83,9 @@ def _fans(bridge: Bridge, fan: str | None, stays: tuple[int, int] | None) -> lis
     return wide
 
 
-def _verdict(stay: Stay, squad: Squad) -> Verdict:
+def _verdict(stay: Stay, squad: Squad, gravity: Point) -> Verdict:
     """The verdict on a stay that is to be flown along: what shapes its curve must be known as well."""
-    verdict = check(stay, squad)
+    verdict = check(stay, squad, gravity)
     shape = tuple(name for name in stay.unknown if name in SHAPE)
     return replace(verdict, unknown=(*verdict.unknown, *shape))
 

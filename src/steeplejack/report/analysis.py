@@ -12,6 +12,7 @@ from steeplejack.planning.coverage import Seen, clock_coverage, coverage_fractio
 from steeplejack.planning.mission import Uncovered
 from steeplejack.report.accuracy import Accuracy
 from steeplejack.report.boundary import Driven, observe_boundary
+from steeplejack.report.flown import Flown
 from steeplejack.report.log import Log
 from steeplejack.runtime.gait import Phase
 
@@ -85,6 +86,7 @@ class Analysis:
     seen: tuple[Seen, ...]  # interior stays
     driven: tuple[Driven, Driven]  # boundary stays
     accuracy: Accuracy
+    flown: Flown
     activity: NDArray[np.int64]  # (n,) index into ``ACTIVITIES`` of every sample
     time_by_activity: Array  # (6,) [s]
 
@@ -102,7 +104,7 @@ def analyse(log: Log) -> Analysis:
     activity = _activity(log)
     steps = np.diff(states.time, append=states.time[-1])
     spent = np.array([float(steps[activity == kind].sum()) for kind in range(len(ACTIVITIES))])
-    return Analysis(_summary(log, seen, accuracy), seen, driven, accuracy, activity, spent)
+    return Analysis(_summary(log, seen, accuracy), seen, driven, accuracy, Flown.of(log), activity, spent)
 
 
 def _summary(log: Log, seen: tuple[Seen, ...], accuracy: Accuracy) -> Summary:

@@ -23,7 +23,7 @@ def events_section(log: Log) -> Markup:
     return section(
         "Events and faults",
         table(("Time", "", "What"), rows, cls="tight") if rows else element("p", "None."),
-        folded(f"All {len(phases)} phases of the run", table(("Time", "Phase"), phases, cls="dense tight")),
+        folded(f"Phases of the run: {len(phases)}", table(("Time", "Phase"), phases, cls="dense tight")),
     )
 
 

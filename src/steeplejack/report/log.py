@@ -91,7 +91,8 @@ class Log:
 
     path: Path
     site: Site
-    squad: Squad
+    squad: Squad  # that plan, controller and safety believed in
+    actual: Squad  # that physics ran
     mission: Mission
     seed: Seed
     bay: Bay
@@ -130,6 +131,7 @@ def read_log(path: Path) -> Log:
     )
     assert isinstance(site, Site) and isinstance(squad, Squad)
     assert isinstance(mission, Mission) and isinstance(seed, Seed)
+    actual = _decoded(path, messages, "/robot/actual", Squad)
     samples = _decoded(path, messages, "/state", State)
     if not samples:
         raise InputError(str(path), "no samples in /state", VALID)
@@ -138,6 +140,7 @@ def read_log(path: Path) -> Log:
         path,
         site,
         squad,
+        actual[-1] if actual else squad,
         mission,
         seed,
         Bay.of(fan, *mission.request.stays, mission.request.face, squad),

@@ -12,6 +12,11 @@ def number(value: float, digits: int = 1) -> str:
     return "–" if not math.isfinite(value) else f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
+def between(low: float, high: float, digits: int = 1) -> str:
+    """A range, or one figure where both ends are written alike."""
+    return "–".join(dict.fromkeys(number(value, digits) for value in (low, high)))
+
+
 def spread(values: Spread) -> str:
     """Mean and standard deviation in one."""
     if not math.isfinite(values.mean):

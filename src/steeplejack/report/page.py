@@ -13,11 +13,12 @@ from steeplejack.report.analysis import ACTIVITIES, Analysis, Summary, analyse
 from steeplejack.report.appendix import assumptions_section, events_section, provenance_section
 from steeplejack.report.figures.style import ACTIVITY
 from steeplejack.report.html import Markup, element, figure, join, section, terms
+from steeplejack.report.limits import limits_section
 from steeplejack.report.log import Log, read_log
 from steeplejack.report.notation import minutes
 from steeplejack.report.stays import other_stays, stays_table
 from steeplejack.report.tracking import tracking_section
-from steeplejack.report.verdict import headline, limits_section, tiles
+from steeplejack.report.verdict import headline, tiles
 from steeplejack.runtime.recorder import Picture
 
 FORMATS = ("jpeg", "png", "webp")

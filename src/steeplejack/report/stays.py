@@ -11,7 +11,7 @@ from steeplejack.report.analysis import Analysis
 from steeplejack.report.boundary import Driven
 from steeplejack.report.html import Markup, badge, bullets, element, folded, join, table
 from steeplejack.report.log import Log
-from steeplejack.report.notation import number
+from steeplejack.report.notation import between, number
 from steeplejack.report.verdict import GOAL
 from steeplejack.runtime.recorder import VerdictRecord
 
@@ -53,7 +53,7 @@ def _interior(log: Log, analysis: Analysis, stay: Seen) -> tuple[object, ...]:
     )
     accuracy = analysis.accuracy
     off = accuracy.stand_off[accuracy.stay == [s.id for s in log.bay.stays].index(stay.stay)]
-    span = f"{number(off.min(), 2)}–{number(off.max(), 2)} m" if len(off) else "–"
+    span = f"{between(float(off.min()), float(off.max()), 2)} m" if len(off) else "–"
     gaps = [gap for gap in analysis.summary.not_covered if gap.stay == stay.stay]
     return (
         join((badge(word, kind), element("p", f"sector {clock_sector(stay)}", cls="id"))),
@@ -112,7 +112,7 @@ def other_stays(log: Log) -> Markup:
     parts = [
         element(
             "p",
-            f"Of the worksite's other {len(others)} stays {summary}, by the stays' data alone.",
+            f"Of the worksite's other stays {summary}, by the stays' data alone.",
         )
     ]
     if rows:

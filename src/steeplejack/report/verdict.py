@@ -1,13 +1,13 @@
-"""The top of a report: how it went in one sentence, the key figures, and whether every limit held."""
+"""The top of a report: how it went in one sentence, and the key figures."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from steeplejack.report.analysis import Analysis
-from steeplejack.report.html import Markup, badge, element, join, section, table, text
+from steeplejack.report.html import Markup, element, join
+from steeplejack.report.limits import limits
 from steeplejack.report.log import BREAKS_OFF, Log
-from steeplejack.report.notation import minutes, number
+from steeplejack.report.notation import between, number
+from steeplejack.robots.squad.comparison import differing
 
 GOAL = 0.95  # [1] share of the length asked for from which an inspection counts as whole
 
@@ -18,7 +18,7 @@ def headline(log: Log, analysis: Analysis) -> Markup:
     covered = sum(stay.covered_length for stay in analysis.seen)
     asked = sum(stay.asked_length for stay in analysis.seen)
     share = f"{number(covered)} m of {number(asked)} m asked for ({number(100.0 * summary.coverage_fraction)} %)"
-    broken = [name for name, _limit, _worst, held in limits(log, analysis) if not held]
+    broken = [limit.name for limit in limits(log, analysis) if not limit.held]
     rest = []
     if summary.faults:
         kind, title = "bad", f"The run ended early: {summary.faults[0]}."
@@ -30,6 +30,7 @@ def headline(log: Log, analysis: Analysis) -> Markup:
         rest.append(f"{share} were seen on the face looked at. Not held: {'; '.join(broken)}.")
     elif summary.coverage_fraction >= GOAL:
         kind, title = "good", f"Inspected: {share}, and every limit held."
+        rest.append(f"Seen all round: {number(100.0 * summary.clock_coverage)} %, about what one face can show.")
     else:
         kind, title = "warn", f"Partly inspected: {share}. Every limit held."
     gaps = len(summary.not_covered)
@@ -40,6 +41,8 @@ def headline(log: Log, analysis: Analysis) -> Markup:
     )
     if not log.complete and BREAKS_OFF not in title:
         rest.append("The log breaks off: this report covers what was recorded up to there.")
+    if names := differing(log.squad, log.actual):
+        rest.append(f"Physics ran a machine other than the file: {', '.join(names)}.")
     return element("div", element("strong", title), element("p", join(rest, " ")), cls=f"verdict {kind}")
 
 
@@ -77,7 +80,7 @@ def tiles(log: Log, analysis: Analysis) -> Markup:
         ("least pull margin", number(summary.min_slip_margin, 3), "", "1 − pull / limit; slips below 0"),
         (
             "stand-off",
-            f"{number(summary.stand_off_m.min, 2)}–{number(summary.stand_off_m.max, 2)}",
+            between(summary.stand_off_m.min, summary.stand_off_m.max, 2),
             "m",
             f"camera needs {near:.2f}–{far:.2f} m",
         ),
@@ -94,48 +97,3 @@ def tiles(log: Log, analysis: Analysis) -> Markup:
 def _tile(name: str, value: str, unit: str, note: str) -> Markup:
     figure = element("b", value, " ", element("small", unit)) if unit else element("b", value)
     return element("div", element("div", name, cls="name"), figure, element("div", note, cls="note"), cls="tile")
-
-
-def limits(log: Log, analysis: Analysis) -> tuple[tuple[str, str, str, bool], ...]:
-    """Name, limit, worst value with its time, and whether it held."""
-    states, summary, (low, high) = log.states, analysis.summary, log.mission.request.tension_n
-    top, bottom = int(np.argmax(states.max_tension)), int(np.argmin(states.min_tension))
-    sample, base = np.unravel_index(int(np.argmin(states.slip_margin)), states.slip_margin.shape)
-    near, far = log.squad.camera.stand_off
-    stand_off = summary.stand_off_m
-    doing = "driving" if states.base_moving[sample] == base + 1 else "gripped"
-    return (
-        (
-            "largest cable tension",
-            f"at most {high:g} N",
-            f"{number(states.max_tension[top])} N at {minutes(states.time[top])}",
-            bool(states.max_tension[top] <= high),
-        ),
-        (
-            "no slack cable",
-            f"above 0 N (planned from {low:g} N)",
-            f"{number(states.min_tension[bottom])} N at {minutes(states.time[bottom])}",
-            bool(states.min_tension[bottom] > 0.0),
-        ),
-        (
-            "pull along the stays",
-            "margin above 0",
-            f"{number(summary.min_slip_margin, 3)}, base {base + 1} {doing}, at {minutes(states.time[sample])}",
-            summary.min_slip_margin > 0.0,
-        ),
-        (
-            "stand-off while inspecting",
-            f"{near:.2f}–{far:.2f} m from the surface",
-            f"{number(stand_off.min, 2)}–{number(stand_off.max, 2)} m",
-            not (stand_off.min < near or stand_off.max > far),
-        ),
-    )
-
-
-def limits_section(log: Log, analysis: Analysis, drawing: Markup) -> Markup:
-    """Whether the limits held, and the loads over time."""
-    rows = [
-        (name, limit, worst, badge("held", "good") if held else badge("not held", "bad"))
-        for name, limit, worst, held in limits(log, analysis)
-    ]
-    return section("Loads and limits", table(("What", "Limit", "Worst of the whole run", ""), rows), text(drawing))

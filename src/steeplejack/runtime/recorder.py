@@ -2,7 +2,8 @@
 
 Topics, all JSON with their schema in the file: ``/worksite`` and ``/mission`` and ``/robot`` once at the start,
 ``/state`` twenty times a second, ``/event`` when something happens, ``/camera`` pictures (foxglove.CompressedImage),
-``/seed`` with what makes the run repeatable. Chunks hold about half a second of states and go to the operating system
+``/seed`` with what makes the run repeatable; ``/robot/actual`` where physics ran another machine than the one believed
+in. Chunks hold about half a second of states and go to the operating system
 as they fill, so a kill loses less than a second.
 """
 

@@ -13,6 +13,7 @@ from steeplejack.planning.compatibility import Verdict
 from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.anchorage import Stance
 from steeplejack.robots.squad.bay import Bay
+from steeplejack.robots.squad.comparison import differing
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime.recorder import Recorder, Seed, Site, StayRecord, VerdictRecord
 from steeplejack.runtime.reference import LegReference
@@ -30,7 +31,7 @@ class Session:
     """What it takes to run a mission in physics.
 
     ``actual`` is the machine as it is where it differs from ``squad``, the machine that plan, controller and safety
-    believe in.
+    believe in; the log then holds both, and names what differs.
     """
 
     mission: Mission
@@ -119,5 +120,8 @@ class Session:
         verdicts = tuple(VerdictRecord(v.stay, v.fits, v.reasons, v.unknown) for v in self.verdicts)
         recorder.write("/worksite", Site(bridge.name, bridge.source, (x, y, z), stays, verdicts), 0.0)
         recorder.write("/robot", self.squad, 0.0)
+        if self.actual is not None and (names := differing(self.squad, self.actual)):
+            recorder.write("/robot/actual", self.actual, 0.0)
+            recorder.note(0.0, f"physics ran a machine other than the file: {', '.join(names)}")
         recorder.write("/mission", self.mission, 0.0)
         recorder.write("/seed", Seed(self.seed, version("steeplejack")), 0.0)

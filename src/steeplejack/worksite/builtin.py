@@ -57,7 +57,10 @@ def load_worksite(worksite: str | Path) -> Bridge | PlanarSite:
         return read_schedule(path)
     if path.suffix.lower() == ".toml":
         return read_site(path, path.parent)
-    raise InputError(f"worksite {worksite}", "no such name", f"a .toml or .csv file, or one of {', '.join(BUILT_IN)}")
+    valid = f"a .toml or .csv file, or one of {', '.join(BUILT_IN)}"
+    if path.is_file():
+        raise InputError(str(worksite), f"a file of unknown kind {path.suffix or '(no suffix)'}", valid)
+    raise InputError(f"worksite {worksite}", "a folder" if path.is_dir() else "no such name", valid)
 
 
 def _folder() -> Traversable:

@@ -29,6 +29,8 @@ from steeplejack.report.notation import spread
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+NARROW = 1.0 / 12.0  # [1] width over length of a drawing below which both directions have scales of their own
+LEAST_HALF_WIDTH = 0.05  # [m] drawn to either side: errors of a centimetre show, those of a millimetre do not jump
 # Mean and standard deviation [mm] of the paper's zigzag test on a replica (Section VI-C, Fig. 19): its X and Y.
 PAPER = {"along": (1.4, 9.0), "across": (-3.9, 10.4)}
 
@@ -52,10 +54,9 @@ def path_figure(log: Log) -> str:
             for first, last in spells(flown):
                 step = max(1, (last - first) // 1500)
                 axes.plot(*_unrolled(log, positions[first : last + 1 : step]), color=colour, lw=width)
-        axes.set_aspect("equal")
         axes.margins(x=0.08)
         axes.set_xlabel(f"along the stays [m], from the lower anchorage of {stay.id}")
-        axes.set_ylabel("across [m]")
+        axes.set_ylabel("across [m]" if _to_scale(axes) else "across [m], to a larger scale")
         handles = [
             Line2D([], [], color=ORANGE, lw=2.6, label="desired"),
             Line2D([], [], color=BLUE, lw=0.9, label="actual"),
@@ -63,6 +64,17 @@ def path_figure(log: Log) -> str:
         ]
         figure.legend(handles=handles, loc="outside upper right", ncols=3)
         return svg(figure, "path")
+
+
+def _to_scale(axes: Axes) -> bool:
+    """One scale for both directions, unless the bay is too narrow for its length to be told from a line."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    if high - low >= NARROW * (right - left):
+        axes.set_aspect("equal")
+        return True
+    middle, half = 0.5 * (low + high), max(0.5 * (high - low), LEAST_HALF_WIDTH)
+    axes.set_ylim(middle - half, middle + half)
+    return False
 
 
 def _unrolled(log: Log, positions: Array) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from steeplejack.report.analysis import Analysis
 from steeplejack.report.figures.style import BLUE, CABLES, INK, MUTED, ORANGE, STEEL, Array, canvas, middle_stay, svg
 from steeplejack.report.log import Log
+from steeplejack.report.notation import between
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,7 +131,8 @@ def _close(axes: Axes, log: Log, analysis: Analysis, k: int) -> None:
     axes.set(aspect="equal", xlim=(-reach, reach))
     low, high = (-reach, 0.4) if plane.face < 0.0 else (-0.4, reach)
     axes.set_ylim(low, high)
-    span = f"{accuracy.stand_off[here].min():.2f}–{accuracy.stand_off[here].max():.2f} m" if here.any() else "not flown"
+    off = accuracy.stand_off[here]
+    span = f"{between(float(off.min()), float(off.max()), 2)} m" if len(off) else "not flown"
     axes.set_title(f"{stay.id}: {span}")
 
 
