@@ -20,6 +20,10 @@ test: $(VENV)/ready-dev
 bench: $(VENV)/ready-dev
 	$(BIN)/python benchmarks/planar_map.py
 	$(BIN)/python benchmarks/control_step.py
+	$(BIN)/python benchmarks/spatial_closure.py
+	$(BIN)/python benchmarks/distribution.py
+	$(BIN)/python benchmarks/forward.py
+	$(BIN)/python benchmarks/certified.py
 
 docs: $(VENV)/ready-dev
 	$(BIN)/mkdocs build --strict

@@ -11,6 +11,7 @@ import pytest
 from command_line import Outcome
 
 from steeplejack.cli import COMMANDS
+from steeplejack.mechanics.cable import METHODS
 
 Run = Callable[..., Outcome]
 
@@ -126,9 +127,11 @@ def test_pose_of_table_iii(steeplejack: Run) -> None:
     assert answer["iterations"] <= 9
 
 
-def test_tensions_hold_the_weight(steeplejack: Run) -> None:
+@pytest.mark.parametrize("method", METHODS)
+def test_tensions_hold_the_weight(steeplejack: Run, method: str) -> None:
     answer = steeplejack(
-        "tensions", "table-iii", "--pose", "-0.1", "0.45", "50", "--mass-kg", "8", *WINDOW, "--json"
+        *("tensions", "table-iii", "--pose", "-0.1", "0.45", "50", "--mass-kg", "8", *WINDOW),
+        *("--method", method, "--json"),
     ).answer
     assert set(answer) == {"tensions_n", "feasible", "margin", "certificate"}
     assert answer["feasible"] is True
@@ -181,10 +184,51 @@ def test_help_shows_an_example(steeplejack: Run, command: str) -> None:
 
 
 def test_commands_are_those_of_the_contract() -> None:
-    built = {"check", "inspect", "map", "pose", "tensions", "grip", "report", "robots", "worksites", "warmup"}
+    built = {
+        "check",
+        "inspect",
+        "map",
+        "pose",
+        "tensions",
+        "lost-cable",
+        "grip",
+        "report",
+        "robots",
+        "worksites",
+        "warmup",
+    }
     assert built == set(COMMANDS)
 
 
 def test_a_person_gets_a_table(steeplejack: Run) -> None:
     out = steeplejack("grip", "--radius-m", "0.05", "--inclination-deg", "45", "--palm-m", "0.09", "--sign", "+").out
     assert [line.split()[0] for line in out.splitlines()] == ["min_force_n", "gamma_deg"]
+
+
+def test_a_lost_cable_by_the_page_of_definitions(steeplejack: Run) -> None:
+    """Cable 2 lost at the best-TF pose with 30 kg: squad.md, in cm, deg and N."""
+    answer = steeplejack(
+        *("lost-cable", "table-iii", "--pose", "-0.23074604", "0.55283179", "50"),
+        *("--cable", "2", "--mass-kg", "30", "--json"),
+    ).answer
+    assert set(answer) == {"x_m", "y_m", "phi_deg", "tensions_n", "taut", "drop_m"}
+    assert answer["x_m"] == pytest.approx(-0.2814942, abs=1e-6)
+    assert answer["y_m"] == pytest.approx(0.5325171, abs=1e-6)
+    assert answer["phi_deg"] == pytest.approx(59.2922, abs=1e-4)
+    assert answer["tensions_n"] == pytest.approx([121.53, 0.0, 402.81, 0.0], abs=5e-3)
+    assert answer["taut"] == [1, 3]
+    assert answer["drop_m"] == pytest.approx(0.55283179 - answer["y_m"], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--cable", "5", "--mass-kg", "30"], "--cable: 5"),
+        (["--cable", "2", "--mass-kg", "-1"], "--mass-kg"),
+        (["--cable", "2", "--mass-kg", "nan"], "--mass-kg"),
+    ],
+)
+def test_a_lost_cable_that_makes_no_sense(steeplejack: Run, options: list[str], words: str) -> None:
+    ended = steeplejack("lost-cable", "table-iii", "--pose", "-0.2", "0.5", "50", *options)
+    assert ended.code == 2
+    assert words in ended.err

@@ -1,4 +1,4 @@
-"""Bounded tension distributions against linear programs, their proofs of infeasibility, and degenerate inputs."""
+"""Tensions of four planar cables against linear programs, their proofs of infeasibility, and degenerate inputs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ import pytest
 from scipy.optimize import linprog
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import METHODS, Status, certificate_gap, distribute, planar_structure_matrix
+from steeplejack.mechanics.cable import (
+    METHODS,
+    Status,
+    certificate_gap,
+    distribute,
+    margin_grid,
+    planar_arms,
+    planar_structure_matrix,
+)
 from steeplejack.mechanics.cable.line import TOLERANCE
 
 BAND = 1e-6  # [1] margin below which a linear program may decide either way
@@ -76,6 +84,8 @@ def test_tensions_balance_and_stay_inside_where_feasible(answered, method):
     excess = np.maximum(lower - answer.tensions, answer.tensions - upper).max(axis=-1)
     assert excess[answer.feasible].max() < 1e-8 * upper.max()
     assert excess[~answer.feasible].min() > 0.0
+    np.testing.assert_array_equal(answer.margin, answers["min-max"].margin)
+    assert ((answer.status == Status.MISSED) <= (answer.margin >= 0.0)).all()
 
 
 def test_min_max_is_the_linear_program(answered):
@@ -203,10 +213,32 @@ def test_near_a_singular_pose_the_answer_still_balances():
     np.testing.assert_allclose(structure @ answer.tensions, [0.0, 100.0, -1e-5], rtol=1e-9, atol=1e-9)
 
 
-def test_parallel_cables_have_no_single_unresisted_direction():
-    answer = distribute(np.tile([[1.0], [0.0], [0.0]], 4), [1.0, 0.0, 0.0], 0.0, 1.0)
-    assert answer.status == Status.SINGULAR
-    assert np.isnan(answer.certificate).all()
+def test_parallel_cables_name_the_direction_the_load_pushes_in():
+    structure = np.tile([[1.0], [0.0], [0.0]], 4)
+    for wrench, direction in (
+        ([1.0, 0.0, 0.0], None),
+        ([1.0, 0.0, -2.0], [0.0, 0.0, -1.0]),
+        ([1.0, 3, 4], [0, 0.6, 0.8]),
+    ):
+        answer = distribute(structure, wrench, 0.0, 1.0)
+        assert answer.status == Status.SINGULAR
+        np.testing.assert_allclose(answer.certificate @ structure, 0.0, atol=1e-15)
+        if direction:
+            np.testing.assert_allclose(answer.certificate, direction, atol=1e-15)
+            assert certificate_gap(answer.certificate, structure, wrench, 0.0, 1.0) > 0.0
+
+
+def test_a_cable_without_length_pulls_nobody_knows_where(rng):
+    structure, wrench, lower, upper = (array[0] for array in questions(rng, 1))
+    structure[:, 2] = 0.0
+    answer = distribute(structure, wrench, lower, upper)
+    assert answer.status == Status.UNDEFINED
+    assert not answer.feasible
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    x, y = square[2] - planar_arms(0.25 * square, 0.2)[2]
+    margins = margin_grid(square, 0.25 * square, 0.2, [x, x - 0.1], [y], [0.0, -9.81, 0.1], 0.0, 1e3)
+    assert margins[0, 0] == -np.inf
+    assert margins[0, 1] > -np.inf
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
@@ -232,7 +264,7 @@ def test_bad_questions_are_refused(rng):
     structure, wrench, lower, upper = (array[0] for array in questions(rng, 1))
     with pytest.raises(InputError, match="window"):
         distribute(structure, wrench, upper, lower)
-    with pytest.raises(InputError, match="min-max, min-norm, max-margin"):
+    with pytest.raises(InputError, match="one of closed-form, .*min-max"):
         distribute(structure, wrench, lower, upper, "dykstra")  # pyright: ignore[reportArgumentType]
 
 

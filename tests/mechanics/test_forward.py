@@ -13,7 +13,7 @@ from steeplejack.mechanics.cable import (
     pose_rates,
     tension_factor,
 )
-from steeplejack.mechanics.cable.forward import _descend
+from steeplejack.mechanics.cable.tracking import TrackingStatus, track_planar
 
 
 @pytest.fixture(scope="module")
@@ -35,14 +35,11 @@ def nodes(phi_deg, step=0.01):
 def test_every_pose_of_the_workspace_is_found_from_the_best_one(table, start):
     poses = np.concatenate([nodes(phi_deg) for phi_deg in (44.0, 50.0, 56.0)])
     poses = poses[tension_factor(planar_structure_matrix(*table, poses)) > 0.0][::5]
-    steps = np.zeros(len(poses))
-    for k, pose in enumerate(poses):
-        found, residual, taken, converged = _descend(planar_lengths(*table, pose), *table, start[None])
-        np.testing.assert_allclose(found[0], pose, atol=1e-9)
-        assert converged[0] and residual[0] < 1e-9
-        steps[k] = taken[0]
-    assert np.mean(steps <= 9) > 0.995  # a few poses at the workspace's tips have steps refused on the way
-    assert steps.max() <= 20
+    found = track_planar(planar_lengths(*table, poses), *table, start)
+    np.testing.assert_allclose(found.pose, poses, atol=1e-9)
+    assert (found.status == TrackingStatus.CONVERGED).all() and found.residual.max() < 1e-9
+    assert np.mean(found.iterations <= 9) > 0.995  # a few poses at the workspace's tips have steps refused on the way
+    assert found.iterations.max() <= 20
 
 
 def test_workspace_poses_are_unique(table, start):
@@ -57,9 +54,9 @@ def test_workspace_poses_are_unique(table, start):
 def test_a_false_minimum_outside_the_workspace_is_not_taken_for_the_pose(table, start):
     poses = nodes(50.0, 0.04)
     poses = poses[tension_factor(planar_structure_matrix(*table, poses)) == 0.0]
-    ends = [_descend(planar_lengths(*table, pose), *table, start[None]) for pose in poses[::2]]
-    trapped = [pose for pose, end in zip(poses[::2], ends, strict=True) if end[1][0] > 1e-6]
-    assert trapped
+    ends = track_planar(planar_lengths(*table, poses), *table, start)
+    trapped = poses[ends.residual > 1e-6]
+    assert len(trapped) > 0
     for pose in trapped[:10]:
         answer = forward_kinematics(planar_lengths(*table, pose), *table, start)
         np.testing.assert_allclose(answer.pose, pose, atol=1e-7)

@@ -9,6 +9,7 @@ import typer
 
 from steeplejack.cli.terminal import INFEASIBLE, Json, Robot, Worksite, emit, mass, planar, say, show, window
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable import Method
 from steeplejack.robots.squad import BUILT_IN, load_squad
 
 Lengths = tuple[float, float, float, float]
@@ -43,7 +44,7 @@ def tensions(
     pose: Annotated[Pose, typer.Option(help="X and Y in metres, PHI in degrees.")],
     mass_kg: Annotated[float, typer.Option(help="Held at rest, at p.")],
     tension_n: Annotated[Pair, typer.Option(help="Tension window.")],
-    method: Annotated[Literal["min-max", "min-norm", "max-margin"], typer.Option()] = "min-max",
+    method: Annotated[Method, typer.Option(help="Which of the feasible tensions.")] = "min-max",
     robot: Robot = BUILT_IN,
     json: Json = False,
 ) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 
 import typer
 
-from steeplejack.cli import inspect, plane, sites, tension_map
+from steeplejack.cli import inspect, lost, plane, sites, tension_map
 from steeplejack.cli.terminal import BAD_INPUT, CLOSED_PIPE, ENDED_EARLY, INFEASIBLE, INTERRUPTED, Ended, emit, say
 from steeplejack.errors import InfeasibleError, SteeplejackError
 
@@ -24,10 +25,22 @@ COMMANDS = {
     "map": (tension_map.tension_map, "steeplejack map table-iii --phi-deg 50 --step-m 0.01 --out out"),
     "pose": (plane.pose, "steeplejack pose table-iii --lengths-m 0.32825749 0.37297465 0.39453155 0.43263676"),
     "tensions": (plane.tensions, "steeplejack tensions table-iii --pose -0.1 0.45 50 --mass-kg 8 --tension-n 10 250"),
+    "lost-cable": (
+        lost.lost_cable,
+        "steeplejack lost-cable table-iii --pose -0.23074604 0.55283179 50 --cable 2 --mass-kg 30",
+    ),
     "grip": (plane.grip, "steeplejack grip --radius-m 0.05 --inclination-deg 45 --palm-m 0.09 --sign +"),
     "robots": (sites.robots, "steeplejack robots"),
     "worksites": (sites.worksites, "steeplejack worksites"),
     "warmup": (sites.warmup, "steeplejack warmup"),
+}
+VALID = {
+    errno.ENOSPC: "a disk with room",
+    errno.EDQUOT: "a disk with room",
+    errno.EACCES: "a file you have permission for",
+    errno.EPERM: "a file you have permission for",
+    errno.ENOENT: "a file that exists",
+    errno.EISDIR: "a file, not a folder",
 }
 for _name, (_command, _example) in COMMANDS.items():
     app.command(_name, epilog=f"Example: {_example}")(_command)
@@ -43,7 +56,7 @@ def main() -> None:
         code = CLOSED_PIPE
     except OSError as error:
         _drop_output()
-        say(f"{error.filename or 'output'}: {error.strerror or error}; a file that can be read, or a disk with room")
+        say(f"{error.filename or 'output'}: {error.strerror or error}; {_valid(error)}")
         code = BAD_INPUT
     sys.exit(code)
 
@@ -78,6 +91,11 @@ def _failure(error: Exception) -> tuple[int, str]:
     if usage is None:
         raise error
     return BAD_INPUT, f"{usage() or 'no command given'}; see --help"
+
+
+def _valid(error: OSError) -> str:
+    """What would have been valid where the operating system refused."""
+    return VALID.get(error.errno or 0, "a file that can be read, in a place that can be written to")
 
 
 def _drop_output() -> None:

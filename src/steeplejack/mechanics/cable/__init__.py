@@ -1,16 +1,65 @@
 """Cable mechanics: structure, closure, bounded tensions, forward kinematics and maps of cable-driven platforms."""
 
-from steeplejack.mechanics.cable.closure import in_wrench_closure, is_singular, null_vector, tension_factor
+from steeplejack.mechanics.cable.boundary import Rays, certified_rays, closure_rays
+from steeplejack.mechanics.cable.certified import CertifiedRegion, Label, certify, closure_box
+from steeplejack.mechanics.cable.closure import (
+    Closure,
+    ClosureStatus,
+    in_wrench_closure,
+    is_singular,
+    null_vector,
+    spatial_closure_map,
+    tension_factor,
+    wrench_closure,
+)
+from steeplejack.mechanics.cable.derivatives import (
+    Gradient,
+    StructureDerivatives,
+    gradient,
+    planar_structure_derivatives,
+    planar_weight_derivative,
+    spatial_structure_derivatives,
+    spatial_weight_derivative,
+)
 from steeplejack.mechanics.cable.distribution import (
-    METHODS,
-    Method,
     Status,
     TensionDistribution,
     certificate_gap,
     distribute,
 )
+from steeplejack.mechanics.cable.equilibrium import Equilibrium, Rest, equilibria, natural_frequencies, settle
+from steeplejack.mechanics.cable.every_pose import EveryPose, every_planar_pose, every_spatial_pose
+from steeplejack.mechanics.cable.facets import Facets, planar_facets, spatial_facets
+from steeplejack.mechanics.cable.feasibility import (
+    Feasibility,
+    FeasibilityStatus,
+    capacity_margin,
+    characteristic_length,
+    wrench_feasible,
+)
 from steeplejack.mechanics.cable.forward import ForwardKinematics, forward_kinematics, loaded_lengths, pose_rates
 from steeplejack.mechanics.cable.grid import best_node, grid_nodes, margin_grid, tension_factor_grid
+from steeplejack.mechanics.cable.interference import (
+    Surroundings,
+    box_faces,
+    cable_crossings,
+    crossing_planes,
+    interference_gaps,
+    interference_rays,
+    interference_region,
+    platform_overlap,
+)
+from steeplejack.mechanics.cable.load import gravity_wrench, inertial_wrench, planar_inertial_wrench
+from steeplejack.mechanics.cable.locked import LockedPlatform
+from steeplejack.mechanics.cable.lost import LostCable, LostCableMap, locked_at, lost_cable, lost_cable_map
+from steeplejack.mechanics.cable.methods import METHODS, Method, MethodRecord
+from steeplejack.mechanics.cable.modes import Modes, natural_modes, planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.nullspace import NullSpace, RankStatus, null_space
+from steeplejack.mechanics.cable.polygon import TensionPolygon, tension_polygon
+from steeplejack.mechanics.cable.pulleys import pulley_runs
+from steeplejack.mechanics.cable.quality import condition_number, dexterity, normalised_structure
+from steeplejack.mechanics.cable.slopes import Slope, capacity_margin_slope, margin_slope, tension_factor_slope
+from steeplejack.mechanics.cable.stiffness import cable_rates, planar_stiffness, spatial_stiffness
 from steeplejack.mechanics.cable.structure import (
     planar_arms,
     planar_lengths,
@@ -20,31 +69,115 @@ from steeplejack.mechanics.cable.structure import (
     spatial_structure_matrix,
     spatial_vectors,
 )
+from steeplejack.mechanics.cable.task import TaskWrenches
+from steeplejack.mechanics.cable.tracking import PlanarTrack, SpatialTrack, TrackingStatus, track_planar, track_spatial
+from steeplejack.mechanics.cable.zonotope import WrenchSet, WrenchSetStatus, available_wrench_set
 
 __all__ = [
     "METHODS",
+    "CertifiedRegion",
+    "Closure",
+    "ClosureStatus",
+    "Equilibrium",
+    "EveryPose",
+    "Facets",
+    "Feasibility",
+    "FeasibilityStatus",
     "ForwardKinematics",
+    "Gradient",
+    "Label",
+    "LockedPlatform",
+    "LostCable",
+    "LostCableMap",
     "Method",
+    "MethodRecord",
+    "Modes",
+    "NullSpace",
+    "PlanarTrack",
+    "RankStatus",
+    "Rays",
+    "Rest",
+    "Slope",
+    "SpatialTrack",
     "Status",
+    "StructureDerivatives",
+    "Surroundings",
+    "TaskWrenches",
     "TensionDistribution",
+    "TensionPolygon",
+    "TrackingStatus",
+    "WrenchSet",
+    "WrenchSetStatus",
+    "available_wrench_set",
     "best_node",
+    "box_faces",
+    "cable_crossings",
+    "cable_rates",
+    "capacity_margin",
+    "capacity_margin_slope",
     "certificate_gap",
+    "certified_rays",
+    "certify",
+    "characteristic_length",
+    "closure_box",
+    "closure_rays",
+    "condition_number",
+    "crossing_planes",
+    "dexterity",
     "distribute",
+    "equilibria",
+    "every_planar_pose",
+    "every_spatial_pose",
     "forward_kinematics",
+    "gradient",
+    "gravity_wrench",
     "grid_nodes",
     "in_wrench_closure",
+    "inertial_wrench",
+    "interference_gaps",
+    "interference_rays",
+    "interference_region",
     "is_singular",
     "loaded_lengths",
+    "locked_at",
+    "lost_cable",
+    "lost_cable_map",
     "margin_grid",
+    "margin_slope",
+    "natural_frequencies",
+    "natural_modes",
+    "normalised_structure",
+    "null_space",
     "null_vector",
     "planar_arms",
+    "planar_facets",
+    "planar_inertial_wrench",
     "planar_lengths",
+    "planar_mass_matrix",
+    "planar_stiffness",
+    "planar_structure_derivatives",
     "planar_structure_matrix",
     "planar_vectors",
+    "planar_weight_derivative",
+    "platform_overlap",
     "pose_rates",
+    "pulley_runs",
+    "settle",
+    "spatial_closure_map",
+    "spatial_facets",
     "spatial_lengths",
+    "spatial_mass_matrix",
+    "spatial_stiffness",
+    "spatial_structure_derivatives",
     "spatial_structure_matrix",
     "spatial_vectors",
+    "spatial_weight_derivative",
     "tension_factor",
     "tension_factor_grid",
+    "tension_factor_slope",
+    "tension_polygon",
+    "track_planar",
+    "track_spatial",
+    "wrench_closure",
+    "wrench_feasible",
 ]

@@ -1,47 +1,50 @@
-"""Bounded tension distribution for one cable too many, in closed form, with a margin and a proof of infeasibility.
+"""Bounded tension distribution for any number of cables, with a margin and a proof of infeasibility.
 
 Question: tensions ``f`` with ``structure @ f + wrench = 0`` (Eq. 7 of Zheng et al., CCRobot-S, IEEE T-RO) and
-``lower <= f <= upper``, for a 3x4 structure matrix. All solutions lie on a line ``f = start + lambda n`` (Eq. 9), ``n``
-the unit null vector, towards more tension, and ``start`` perpendicular to it.
+``lower <= f <= upper``, for a structure matrix of n rows and m >= n cables. All solutions are ``f = start + N lambda``
+(Eq. 9), ``N`` an orthonormal null basis of ``r = m - n`` columns and ``start`` perpendicular to it: a point, a line, a
+plane or more. `METHODS` says which of those inside the box each method chooses and what it promises.
 
-*Margin*: the greatest least distance to a bound over the line, divided by half the widest window. 1 is the middle of
-the box, 0 its surface; -0.1 means every bound would have to give way by a tenth of that half-width.
+*Margin*: the greatest least distance to a bound over all solutions, divided by half the widest window. 1 is the middle
+of the box, 0 its surface; -0.1 means every bound would have to give way by a tenth of that half-width. It belongs to
+the question and not to the method: the chosen tensions may be on the surface where the margin is 0.5.
 
-*Certificate*: that distance is set by two bounds. Their weights, carried back through the structure matrix, are a
-vector ``z`` with ``z . (structure @ f + wrench) >= gap > 0`` for every ``f`` in the box (Farkas): a motion of the
+*Certificate*: that distance is set by at most r + 1 bounds. Their weights, carried back through the structure matrix,
+are a vector ``z`` with ``z . (structure @ f + wrench) >= gap > 0`` for every ``f`` in the box (Farkas): a motion of the
 platform along which tensions and load do positive work whatever is tried. `certificate_gap` checks it, however it was
 found.
 
 A singular structure matrix is never feasible here, whatever the load, because an arbitrarily small disturbance would
-not be resisted; the certificate is then the direction of that disturbance. Nothing raises for a state a control loop
-can meet: read `Status`.
+not be resisted; the certificate is then the direction of that disturbance. A cable of zero length has no direction, and
+nothing is known about it. Nothing raises for a state a control loop can meet: read `Status`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import line
+from steeplejack.mechanics.cable import choice
+from steeplejack.mechanics.cable.methods import METHODS, Method, MethodRecord
 
 Array = NDArray[np.float64]
-Method = Literal["min-max", "min-norm", "max-margin"]
 
-METHODS: dict[Method, int] = {"min-max": line.MIN_MAX, "min-norm": line.MIN_NORM, "max-margin": line.MAX_MARGIN}
+GREATEST_POWER = 64.0
+"""Of the p-norm [1]; beyond it, min-max is meant."""
 
 
 class Status(IntEnum):
     """How a distribution ended; `advice` says what to do."""
 
-    FEASIBLE = line.FEASIBLE
-    INFEASIBLE = line.INFEASIBLE
-    SINGULAR = line.SINGULAR
-    UNDEFINED = line.UNDEFINED
+    FEASIBLE = choice.FEASIBLE
+    INFEASIBLE = choice.INFEASIBLE
+    SINGULAR = choice.SINGULAR
+    UNDEFINED = choice.UNDEFINED
+    MISSED = choice.MISSED
 
     @property
     def advice(self) -> str:
@@ -53,7 +56,8 @@ _ADVICE = {
     Status.FEASIBLE: "tensions hold the load inside their bounds",
     Status.INFEASIBLE: "no tensions inside the bounds hold the load; move the pose or the anchors, or widen the window",
     Status.SINGULAR: "the cables cannot resist the certificate's wrench at all; move off the singular pose",
-    Status.UNDEFINED: "an input is not finite; check pose, wrench and bounds",
+    Status.UNDEFINED: "an input is not finite, or a cable has no length; check pose, wrench and bounds",
+    Status.MISSED: "tensions inside the bounds exist, but this method left them; use a complete one, such as qp",
 }
 
 
@@ -62,12 +66,15 @@ class TensionDistribution:
     """Tensions and what is known about them; leading axes are those of the question.
 
     Attributes:
-        tensions: In equilibrium with the wrench, (..., 4) [N]. Where infeasible, the ones that leave the box by the
+        tensions: In equilibrium with the wrench, (..., m) [N]. Where infeasible, the ones that leave the box by the
             least; not a number where singular or undefined.
         feasible: Whether they are inside the bounds, (...).
-        margin: Distance inside the box over half the widest window, (...) [1]; negative outside, -inf where singular.
-        interval: ``lambda`` that stays inside, growing with pretension, (..., 2) [N]; not a number where infeasible.
-        certificate: ``z`` that proves infeasibility, (..., 3); not a number where feasible.
+        margin: Greatest distance inside the box over half the widest window, (...) [1]; negative where there is no
+            answer, -inf where singular or undefined. Where ``MISSED`` it is not negative.
+        interval: For one cable too many, ``lambda`` that stays inside, growing with pretension, (..., 2) [N]; not a
+            number elsewhere (see `tension_polygon` for two cables too many).
+        certificate: ``z`` that proves infeasibility, (..., n); not a number where feasible tensions exist, and where a
+            least tension is above its greatest, which needs no proof.
         status: `Status` by number, (...).
     """
 
@@ -80,44 +87,73 @@ class TensionDistribution:
 
 
 def distribute(
-    structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: Method = "min-max"
+    structure: ArrayLike,
+    wrench: ArrayLike,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    method: Method = "min-max",
+    *,
+    reference: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    power: float | None = None,
 ) -> TensionDistribution:
     """Choose tensions within bounds that balance a wrench (Eq. 7 and 9).
 
     Args:
-        structure: (..., 3, 4); any three rows, in any units.
-        wrench: External wrench on the platform, same rows, (..., 3).
-        lower: Least tensions, finite, (..., 4) or a scalar [N].
-        upper: Greatest tensions, finite, (..., 4) or a scalar [N].
-        method: ``min-max`` makes the largest tension least, ``min-norm`` the sum of squares, ``max-margin`` goes
-            deepest into the box.
+        structure: (..., n, m), m >= n; rows in any units.
+        wrench: External wrench on the platform, same rows, (..., n).
+        lower: Least tensions, finite, (..., m) or a scalar [N].
+        upper: Greatest tensions, finite, (..., m) or a scalar [N].
+        method: One of `METHODS`.
+        reference: Tensions to stay near to, (..., m) or a scalar [N]; for ``qp`` (the middle of the box if None) and
+            ``p-norm`` (zero if None).
+        weights: Positive, of each cable's squares for ``qp``; of any sign, of each cable's tension for ``lp``; (..., m)
+            or a scalar [1]; ones if None.
+        power: Of ``p-norm``, 2 to 64 [1]; 4 if None.
 
     Returns:
-        Tensions with margin, interval, certificate and status, over the broadcast leading axes.
+        Tensions with margin, certificate and status, over the broadcast leading axes.
 
     Raises:
-        InputError: Unknown method, or bounds with no open window.
+        InputError: Unknown method, one that does not take so many cables or that option, or bounds with no open window.
     """
     if method not in METHODS:
         raise InputError("method", f"{method!r}", f"one of {', '.join(METHODS)}")
     matrix, load, low, high = (np.asarray(value, dtype=np.float64) for value in (structure, wrench, lower, upper))
-    windows = np.broadcast_to(high - low, np.broadcast_shapes(high.shape, low.shape, (4,)))
-    if np.any(windows.max(axis=-1) <= 0.0):
+    n, m = _sizes(matrix, method, METHODS[method])
+    _check_options(method, METHODS[method], reference, weights, power)
+    costs = np.asarray(1.0 if weights is None else weights, dtype=np.float64)
+    wanted = np.asarray(0.0 if reference is None else reference, dtype=np.float64)
+    each = {"lower": low, "upper": high, "reference": wanted, "weights": costs}
+    shape = _leading(matrix.shape[:-2], (n,), {"wrench": load}, _leading((), (m,), each, ()))
+    if method == "qp" and reference is None:
+        wanted = 0.5 * (low + high)
+    if np.any(np.max(np.broadcast_to(high - low, (*shape, m)), axis=-1) <= 0.0):
         raise InputError("tension bounds", "no window is open", "at least one upper bound above its lower one")
-    shape = np.broadcast_shapes(matrix.shape[:-2], load.shape[:-1], windows.shape[:-1])
-    tensions, interval, certificate, margin, status = line.distribute_each(
-        _stack(matrix, shape, (3, 4)),
-        _stack(load, shape, (3,)),
-        _stack(low, shape, (4,)),
-        _stack(high, shape, (4,)),
-        METHODS[method],
+    count = int(np.prod(shape))
+    tensions, interval, certificate = (np.full((count, size), np.nan) for size in (m, 2, n))
+    margin, status = np.empty(count), np.empty(count, np.int64)
+    choice.distribute_each(
+        _stack(matrix, shape, (n, m)),
+        _stack(load, shape, (n,)),
+        _stack(low, shape, (m,)),
+        _stack(high, shape, (m,)),
+        _stack(wanted, shape if wanted.ndim > 1 else (1,), (m,)),
+        _stack(costs, shape if costs.ndim > 1 else (1,), (m,)),
+        METHODS[method].number,
+        4.0 if power is None else float(power),
+        tensions,
+        interval,
+        certificate,
+        margin,
+        status,
     )
     return TensionDistribution(
-        tensions=tensions.reshape(*shape, 4),
+        tensions=tensions.reshape(*shape, m),
         feasible=(status == Status.FEASIBLE).reshape(shape),
         margin=margin.reshape(shape),
         interval=interval.reshape(*shape, 2),
-        certificate=certificate.reshape(*shape, 3),
+        certificate=certificate.reshape(*shape, n),
         status=status.reshape(shape),
     )
 
@@ -128,11 +164,11 @@ def certificate_gap(
     """Least value of ``z . (structure @ f + wrench)`` over the box; positive proves that no ``f`` in it balances.
 
     Args:
-        certificate: ``z``, (..., 3).
-        structure: (..., 3, 4).
-        wrench: (..., 3).
-        lower: (..., 4) or a scalar [N].
-        upper: (..., 4) or a scalar [N].
+        certificate: ``z``, (..., n).
+        structure: (..., n, m).
+        wrench: (..., n).
+        lower: (..., m) or a scalar [N].
+        upper: (..., m) or a scalar [N].
 
     Returns:
         The gap, (...) [N]; for an infeasible `distribute`, ``-margin`` times half the widest window.
@@ -141,6 +177,48 @@ def certificate_gap(
     power = np.einsum("...r,...rc->...c", z, np.asarray(structure, dtype=np.float64))
     least = np.minimum(power * np.asarray(lower), power * np.asarray(upper)).sum(axis=-1)
     return least + np.sum(z * np.asarray(wrench), axis=-1)
+
+
+def _sizes(matrix: Array, method: str, record: MethodRecord) -> tuple[int, int]:
+    """Rows and cables of a structure matrix the method takes."""
+    if matrix.ndim < 2 or not 0 < matrix.shape[-2] <= matrix.shape[-1]:
+        raise InputError(
+            "structure matrix", f"shape {matrix.shape}", "(..., n, m) with at least as many cables as rows"
+        )
+    n, m = matrix.shape[-2:]
+    if record.most_redundancy is not None and m - n > record.most_redundancy:
+        raise InputError(
+            "method", f"{method} with {m - n} cables too many", f"at most {record.most_redundancy} of them"
+        )
+    return n, m
+
+
+def _leading(
+    shape: tuple[int, ...], tail: tuple[int, ...], values: dict[str, Array], other: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Leading axes that all values broadcast to, their last axis being ``tail``."""
+    shape = np.broadcast_shapes(shape, other)
+    for name, value in values.items():
+        try:
+            shape = np.broadcast_shapes((*shape, *tail), value.shape)[:-1]
+        except ValueError:
+            raise InputError(name, f"shape {value.shape}", f"shape (..., {tail[0]}) over {shape}") from None
+
+    return shape
+
+
+def _check_options(
+    method: str, record: MethodRecord, reference: ArrayLike | None, weights: ArrayLike | None, power: float | None
+) -> None:
+    """Refuse options the method does not read, and values that mean nothing."""
+    for name, value in (("reference", reference), ("weights", weights), ("power", power)):
+        if value is not None and name not in record.options:
+            readers = [other for other, known in METHODS.items() if name in known.options]
+            raise InputError(name, f"not read by {method}", f"only with {' or '.join(readers)}")
+    if power is not None and not 2.0 <= power <= GREATEST_POWER:
+        raise InputError("power", f"{power:g}", f"2 to {GREATEST_POWER:g}")
+    if method == "qp" and weights is not None and np.any(np.asarray(weights, dtype=np.float64) <= 0.0):
+        raise InputError("weights", f"{np.min(np.asarray(weights, dtype=np.float64)):g}", "positive")
 
 
 def _stack(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:

@@ -4,9 +4,9 @@ Source: Zheng et al., CCRobot-S, IEEE T-RO, Eq. 18: least squares of ``l(x) - l_
 with a tension factor near 1. Four lengths say more than three pose coordinates need, so a pose that explains them all
 is as a rule the only one; but the squares also have false minima, and near-symmetric robots have near-twins. The
 answer therefore carries its residual, and `ForwardKinematics.unique` says whether a spread of other starts found
-another explanation.
+another explanation. `tracking` is the same from one start, in batches; `every_pose` proves how many there are.
 
-Range of validity: taut straight cables. Cables stretch, so give the lengths under load (`loaded_lengths`).
+Range of validity: taut cables. Cables stretch, so give the lengths under load (`loaded_lengths`).
 """
 
 from __future__ import annotations
@@ -16,12 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.mechanics.cable.structure import planar_lengths, planar_structure_matrix
+from steeplejack.mechanics.cable.tracking import TrackingStatus, nearest_turn, track_planar
 
 Array = NDArray[np.float64]
 
-ITERATIONS = 100
-STEP = 1e-12  # [1] relative step that ends the iteration
 TWIN = 1e-3  # [1] poses closer than this, relative to the anchors' box, are one pose
 
 
@@ -60,7 +58,14 @@ def loaded_lengths(unstretched: ArrayLike, tensions: ArrayLike, axial_stiffness:
 
 
 def forward_kinematics(
-    lengths: ArrayLike, anchors: ArrayLike, attachments: ArrayLike, start: ArrayLike, tolerance: float | None = None
+    lengths: ArrayLike,
+    anchors: ArrayLike,
+    attachments: ArrayLike,
+    start: ArrayLike,
+    tolerance: float | None = None,
+    *,
+    radii: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
 ) -> ForwardKinematics:
     """Pose that explains cable lengths best, from a start, checked against a spread of other starts (Eq. 18).
 
@@ -72,25 +77,34 @@ def forward_kinematics(
         attachments: In the platform frame, (m, 2) [m].
         start: Where to begin; a pose with a tension factor near 1 converges from all over the workspace, (3,).
         tolerance: Residual up to which a pose explains the lengths [m]; a thousandth of the longest cable by default.
+        radii: Of the pulleys, (m,) or a scalar [m]; straight cables where not given.
+        axes: Swivel axes of the pulleys, see `pulleys`, (m, 2).
 
     Returns:
-        The pose with residual, iterations and whether it is the only explanation found.
+        The pose with residual, iterations and whether it is the only explanation found. Where the lengths are not
+        finite, the start with a residual that is not a number.
+
+    Raises:
+        InputError: Shapes do not fit, or there are fewer than three cables.
     """
-    measured = np.asarray(lengths, dtype=np.float64)
-    fixed, local = np.asarray(anchors, dtype=np.float64), np.asarray(attachments, dtype=np.float64)
-    enough = 1e-3 * float(np.abs(measured).max()) if tolerance is None else tolerance
+    measured, fixed = np.asarray(lengths, dtype=np.float64), np.asarray(anchors, dtype=np.float64)
     starts = np.vstack((np.asarray(start, dtype=np.float64), _spread(fixed)))
-    poses, residuals, iterations, converged = _descend(measured, fixed, local, starts)
+    ends = track_planar(
+        np.broadcast_to(measured, (len(starts), *measured.shape)), fixed, attachments, starts, radii=radii, axes=axes
+    )
+    enough = 1e-3 * float(np.abs(measured).max()) if tolerance is None else tolerance
+    residuals = np.where(np.isfinite(ends.residual), ends.residual, np.inf)
     chosen = 0 if residuals[0] <= enough else int(np.argmin(residuals))
-    pose = poses[chosen].copy()
-    pose[2] = _nearest_turn(pose[2], starts[0, 2])
-    others = _distance(poses[residuals <= enough], pose, fixed)
+    pose = ends.pose[chosen].copy()
+    pose[2] = nearest_turn(pose[2], starts[0, 2])
+    converged = ends.status[chosen] in (TrackingStatus.CONVERGED, TrackingStatus.UNEXPLAINED)
+    others = _distance(ends.pose[residuals <= enough], pose, fixed)
     return ForwardKinematics(
         pose=pose,
-        residual=float(residuals[chosen]),
-        iterations=int(iterations[chosen]),
-        converged=bool(converged[chosen]),
-        unique=bool(converged[chosen] and residuals[chosen] <= enough and np.all(others < TWIN)),
+        residual=float(ends.residual[chosen]),
+        iterations=int(ends.iterations[chosen]),
+        converged=converged,
+        unique=bool(converged and residuals[chosen] <= enough and np.all(others < TWIN)),
     )
 
 
@@ -98,11 +112,12 @@ def pose_rates(structure: ArrayLike, length_rates: ArrayLike) -> Array:
     """Platform velocity from cable length rates by least squares, ``dl/dt = -J dx/dt``.
 
     Args:
-        structure: ``J^T``, of full row rank, (..., 3, m).
+        structure: ``J^T``, of full row rank, (..., n, m).
         length_rates: Positive when a cable grows longer, (..., m) [m/s].
 
     Returns:
-        ``(vx, vy, omega)``, (..., 3) [m/s, m/s, rad/s]; the least one where the structure is singular.
+        The velocity dual to the rows, ``(vx, vy, omega)`` or (angular; linear), (..., n) [m/s, rad/s]; the least one
+        where the structure is singular.
     """
     jacobian = np.swapaxes(np.asarray(structure, dtype=np.float64), -1, -2)
     return -np.einsum("...im,...m->...i", np.linalg.pinv(jacobian), np.asarray(length_rates, dtype=np.float64))
@@ -116,41 +131,8 @@ def _spread(anchors: Array) -> Array:
     return np.stack([axis.ravel() for axis in grid], axis=-1)
 
 
-def _descend(
-    lengths: Array, anchors: Array, attachments: Array, starts: Array
-) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
-    """Levenberg-Marquardt from every start at once: poses (k, 3), residuals (k,), steps (k,), converged (k,)."""
-    poses = starts.copy()
-    errors = planar_lengths(anchors, attachments, poses) - lengths
-    damping = np.full(len(poses), 1e-4)
-    steps, running = np.zeros(len(poses), dtype=np.int64), np.ones(len(poses), dtype=np.bool_)
-    reach = np.array([1.0, 1.0, max(float(np.linalg.norm(attachments, axis=-1).max()), 1e-12)])
-    size = float(np.abs(lengths).max())
-    for _ in range(ITERATIONS):
-        if not running.any():
-            break
-        now = np.flatnonzero(running)
-        slope = -planar_structure_matrix(anchors, attachments, poses[now]) / reach[:, None]
-        hessian = slope @ np.swapaxes(slope, -1, -2)
-        damped = hessian + damping[now, None, None] * np.eye(3)
-        move = np.linalg.solve(damped, -np.einsum("kim,km->ki", slope, errors[now])[..., None])[..., 0] / reach
-        trial = poses[now] + move
-        trial_errors = planar_lengths(anchors, attachments, trial) - lengths
-        better = np.sum(trial_errors**2, axis=-1) <= np.sum(errors[now] ** 2, axis=-1)
-        poses[now[better]], errors[now[better]] = trial[better], trial_errors[better]
-        damping[now] = np.where(better, np.maximum(damping[now] * 0.01, 1e-12), np.minimum(damping[now] * 10.0, 1e9))
-        steps[now] += 1
-        running[now] = np.linalg.norm(move * reach, axis=-1) > STEP * size
-    return poses, np.linalg.norm(errors, axis=-1), steps, ~running
-
-
 def _distance(poses: Array, pose: Array, anchors: Array) -> Array:
     """Distance of poses from one, in widths of the anchors' box and in radians, whichever is larger."""
     width = float(np.ptp(anchors, axis=0).max())
-    turn = np.abs(_nearest_turn(poses[:, 2], pose[2]) - pose[2])
+    turn = np.abs(nearest_turn(poses[:, 2], pose[2]) - pose[2])
     return np.maximum(np.linalg.norm(poses[:, :2] - pose[:2], axis=-1) / width, turn)
-
-
-def _nearest_turn(angle: ArrayLike, reference: float) -> Array:
-    """The same direction as ``angle`` within half a turn of ``reference`` [rad]."""
-    return reference + np.remainder(np.asarray(angle) - reference + np.pi, 2.0 * np.pi) - np.pi

@@ -1,12 +1,11 @@
-"""Compiled arithmetic on the line of tensions that balance a wrench; `distribution` and `grid` are its public faces.
+"""Compiled arithmetic on the line of tensions that balance a wrench, for robots with one cable too many.
 
-Three equations in four tensions, ``structure @ f + wrench = 0``, leave a line ``f = start + lambda null`` (Eq. 9 of
-Zheng et al.). Each cable puts two bounds on it, whose distances are straight lines in ``lambda``: one rises, one falls.
-Everything asked of the line (how deep in the box it goes, where it is inside, which two bounds forbid it) is arithmetic
-on those eight lines.
+The equations ``structure @ f + wrench = 0`` leave a line ``f = start + lambda null`` (Eq. 9 of Zheng et al., CCRobot-S,
+IEEE T-RO). Each cable puts two bounds on it, whose distances are straight lines in ``lambda``: one rises, one falls.
+How deep in the box the line goes, where it is inside, and which two bounds forbid it is arithmetic on those.
 
-All compiled code about the line is in this one file because numba's disk cache notices changes in a function's own file
-only.
+`planar_margins` does so for a grid of planar poses of four cables, with null vector and start from cofactors; the
+kernels of `choice` do it for any number of cables.
 """
 
 from __future__ import annotations
@@ -22,65 +21,14 @@ Array = NDArray[np.float64]
 TOLERANCE = (
     1e-9  # [1] relative volume of a singular matrix, and relative excess over a bound that still counts as inside
 )
-FEASIBLE, INFEASIBLE, SINGULAR, UNDEFINED = range(4)
-MIN_MAX, MIN_NORM, MAX_MARGIN = range(3)
 
 
-@njit(cache=True)
-def distribute_each(
-    structures: Array, wrenches: Array, lowers: Array, uppers: Array, method: int
-) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:
-    """Distribution of every question of a batch.
-
-    Args:
-        structures: (k, 3, 4).
-        wrenches: (k, 3).
-        lowers: (k, 4) [N].
-        uppers: (k, 4) [N].
-        method: One of ``MIN_MAX``, ``MIN_NORM``, ``MAX_MARGIN``.
-
-    Returns:
-        Tensions (k, 4) [N], interval of lambda (k, 2) [N], certificate (k, 3), margin (k,) [1] and status (k,).
-    """
-    count = structures.shape[0]
-    tensions, interval = np.full((count, 4), np.nan), np.full((count, 2), np.nan)
-    certificate = np.full((count, 3), np.nan)
-    margin, status = np.full(count, -np.inf), np.full(count, SINGULAR)
-    null, start, dual, proof = np.empty(4), np.empty(4), np.empty((4, 3)), np.empty(4)
-    for k in range(count):
-        lower, upper = lowers[k], uppers[k]
-        if not math.isfinite(structures[k].sum() + wrenches[k].sum() + lower.sum() + upper.sum()):
-            status[k] = UNDEFINED
-            continue
-        if not _solve(structures[k], wrenches[k], null, start, dual):
-            _unresisted(structures[k], wrenches[k], certificate[k])
-            continue
-        depth = _deepest(null, start, lower, upper, proof)
-        margin[k] = depth / (0.5 * np.max(upper - lower))
-        if margin[k] >= -TOLERANCE:
-            status[k] = FEASIBLE
-            low, high = _interval(null, start, lower, upper, min(depth, 0.0))
-            interval[k, 0], interval[k, 1] = low, high
-            place = _place(null, start, lower, upper, depth, low, high, method)
-        else:
-            status[k] = INFEASIBLE
-            for i in range(3):
-                certificate[k, i] = (
-                    proof[0] * dual[0, i] + proof[1] * dual[1, i] + proof[2] * dual[2, i] + proof[3] * dual[3, i]
-                )
-            low, high = _interval(null, start, lower, upper, depth)
-            place = 0.5 * (low + high)
-        for i in range(4):
-            tensions[k, i] = start[i] + place * null[i]
-    return tensions, interval, certificate, margin, status
-
-
-@njit(cache=True, parallel=True)
+@njit(cache=True, error_model="numpy", parallel=True)
 def planar_margins(
     roots: Array, arms: Array, xs: Array, ys: Array, wrench: Array, lower: Array, upper: Array,
     stays: Array, pull_limit: Array, half: float, margins: Array,
 ) -> None:  # fmt: skip
-    """Margin of every node of a planar grid at one orientation; singular nodes get -inf.
+    """Margin of every node of a planar grid at one orientation; singular nodes and cables of no length get -inf.
 
     Args:
         roots: ``A_i - b_i``, (4, 2) [m].
@@ -99,21 +47,23 @@ def planar_margins(
         structure, limit, proof = np.empty((3, 4)), np.empty(4), np.empty(4)
         null, start, dual = np.empty(4), np.empty(4), np.empty((4, 3))
         for i in range(xs.size):
+            attached = True
             for k in range(4):
                 dx, dy = roots[k, 0] - xs[i], roots[k, 1] - ys[j]
                 length = math.sqrt(dx * dx + dy * dy)
+                attached = attached and length > 0.0
                 scale = 1.0 / length if length > 0.0 else 0.0
                 structure[0, k], structure[1, k] = dx * scale, dy * scale
                 structure[2, k] = (arms[k, 0] * dy - arms[k, 1] * dx) * scale
                 along = abs(structure[0, k] * stays[k, 0] + structure[1, k] * stays[k, 1])
                 limit[k] = min(upper[k], pull_limit[k] / along) if along > 0.0 else upper[k]
-            if _solve(structure, wrench, null, start, dual):
-                margins[j, i] = _deepest(null, start, lower, limit, proof) / half
+            if attached and _solve(structure, wrench, null, start, dual):
+                margins[j, i] = deepest(null, start, lower, limit, proof) / half
             else:
                 margins[j, i] = -np.inf
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _solve(structure: Array, wrench: Array, null: Array, start: Array, dual: Array) -> bool:
     """Write the unit null vector, the start perpendicular to it and the dual; False where singular.
 
@@ -152,7 +102,7 @@ def _solve(structure: Array, wrench: Array, null: Array, start: Array, dual: Arr
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _cross(structure: Array, i: int, j: int) -> tuple[float, float, float]:
     """Cross product of two columns."""
     return (
@@ -162,7 +112,7 @@ def _cross(structure: Array, i: int, j: int) -> tuple[float, float, float]:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _bounds(null: Array, start: Array, lower: Array, upper: Array, i: int) -> tuple[float, float, float]:
     """Distances of cable ``i`` to its bounds at lambda = 0: the one rising with lambda, the one falling, the slope."""
     if null[i] >= 0.0:
@@ -170,34 +120,50 @@ def _bounds(null: Array, start: Array, lower: Array, upper: Array, i: int) -> tu
     return upper[i] - start[i], start[i] - lower[i], -null[i]
 
 
-@njit(cache=True)
-def _deepest(null: Array, start: Array, lower: Array, upper: Array, proof: Array) -> float:
+@njit(cache=True, error_model="numpy")
+def deepest(null: Array, start: Array, lower: Array, upper: Array, proof: Array) -> float:
     """Greatest least distance to a bound [N]; ``proof`` gets the weights of the two bounds that set it.
 
-    By duality of a linear program in one unknown: the least, over pairs of a rising and a falling line, of their
-    crossing.
+    Of the rising and the falling line that are lowest at one place, the crossing is the next place, where a lower line
+    takes the place of its like; each exchange lowers the crossing, and where there is no lower line it is the answer.
     """
-    depth = np.inf
-    proof[:] = 0.0
-    for i in range(4):
-        rise, _, up = _bounds(null, start, lower, upper, i)
-        for j in range(4):
-            _, fall, down = _bounds(null, start, lower, upper, j)
-            if up + down > 0.0:
-                crossing = (down * rise + up * fall) / (up + down)
-                if crossing < depth:
-                    depth = crossing
-                    proof[:] = 0.0
-                    proof[i] += down / (up + down) if null[i] >= 0.0 else -down / (up + down)
-                    proof[j] += -up / (up + down) if null[j] >= 0.0 else up / (up + down)
+    place, depth, share = 0.0, math.inf, 0.0
+    first, second = 0, 0
+    for _ in range(4 * null.size):
+        low, high, i, j = math.inf, math.inf, 0, 0
+        for k in range(null.size):
+            rise, fall, slope = _bounds(null, start, lower, upper, k)
+            if rise + slope * place < low:
+                low, i = rise + slope * place, k
+            if fall - slope * place < high:
+                high, j = fall - slope * place, k
+        if not min(low, high) < depth:
+            break
+        if depth == math.inf or low <= high:
+            first = i
+        if depth == math.inf or high <= low:
+            second = j
+        rise, _, up = _bounds(null, start, lower, upper, first)
+        _, fall, down = _bounds(null, start, lower, upper, second)
+        if up + down == 0.0:
+            depth, share = min(low, high), 1.0 if low <= high else 0.0
+            break
+        crossing = (down * rise + up * fall) / (up + down)
+        if not crossing < depth:
+            break
+        place, depth, share = (fall - rise) / (up + down), crossing, down / (up + down)
+    for k in range(null.size):
+        proof[k] = 0.0
+    proof[first] += share if null[first] >= 0.0 else -share
+    proof[second] -= 1.0 - share if null[second] >= 0.0 else share - 1.0
     return depth
 
 
-@njit(cache=True)
-def _interval(null: Array, start: Array, lower: Array, upper: Array, level: float) -> tuple[float, float]:
+@njit(cache=True, error_model="numpy")
+def interval(null: Array, start: Array, lower: Array, upper: Array, level: float) -> tuple[float, float]:
     """Where along the line every distance is at least ``level``; cables null hardly moves do not limit it."""
     low, high = -np.inf, np.inf
-    for i in range(4):
+    for i in range(null.size):
         rise, fall, slope = _bounds(null, start, lower, upper, i)
         if slope > TOLERANCE:
             low, high = max(low, (level - rise) / slope), min(high, (fall - level) / slope)
@@ -206,47 +172,30 @@ def _interval(null: Array, start: Array, lower: Array, upper: Array, level: floa
     return low, high
 
 
-@njit(cache=True)
-def _place(
-    null: Array, start: Array, lower: Array, upper: Array, depth: float, low: float, high: float, method: int
-) -> float:
-    """Lambda in ``[low, high]`` that the method asks for."""
-    if method == MIN_NORM:
-        return min(max(0.0, low), high)
-    if method == MAX_MARGIN:
-        deep_low, deep_high = _interval(null, start, lower, upper, depth)
-        return min(max(0.5 * (deep_low + deep_high), low), high)
-    best, least = low, _largest(null, start, low)
-    if _largest(null, start, high) < least:
-        best, least = high, _largest(null, start, high)
-    for i in range(4):
-        for j in range(i):
-            if null[i] != null[j]:
-                crossing = (start[j] - start[i]) / (null[i] - null[j])
-                if low < crossing < high and _largest(null, start, crossing) < least:
-                    best, least = crossing, _largest(null, start, crossing)
-    return best
+@njit(cache=True, error_model="numpy")
+def least_largest(null: Array, start: Array, low: float, high: float) -> float:
+    """Lambda in ``[low, high]`` whose largest tension is least; of several the one of least norm.
 
-
-@njit(cache=True)
-def _largest(null: Array, start: Array, place: float) -> float:
-    """Largest tension at lambda = ``place``."""
-    return max(
-        max(start[0] + place * null[0], start[1] + place * null[1]),
-        max(start[2] + place * null[2], start[3] + place * null[3]),
-    )
-
-
-@njit(cache=True)
-def _unresisted(structure: Array, wrench: Array, certificate: Array) -> None:
-    """Unit direction no column has a component along, turned against the wrench; untouched where rank is below two."""
-    most = 0.0
-    for i in range(4):
-        for j in range(i):
-            x, y, z = _cross(structure, i, j)
-            size = math.sqrt(x * x + y * y + z * z)
-            if size > most:
-                most = size
-                certificate[0], certificate[1], certificate[2] = x / size, y / size, z / size
-    if certificate[0] * wrench[0] + certificate[1] * wrench[1] + certificate[2] * wrench[2] < 0.0:
-        certificate *= -1.0
+    From ``low`` up along the largest tension, from one cable to the next, until it grows.
+    """
+    place = low
+    for _ in range(null.size):
+        most, slope = -math.inf, 0.0
+        for i in range(null.size):
+            value = start[i] + place * null[i]
+            if value > most or (value == most and null[i] > slope):
+                most, slope = value, null[i]
+        if slope > TOLERANCE:
+            return place
+        end, crossing = high, 0.0
+        for i in range(null.size):
+            if null[i] > slope:
+                crossing = place + (most - start[i] - place * null[i]) / (null[i] - slope)
+                if crossing < end:
+                    end = crossing
+        if slope >= -TOLERANCE:
+            return min(max(0.0, place), end)
+        if end <= place or end == high:
+            return max(end, place)
+        place = end
+    return place

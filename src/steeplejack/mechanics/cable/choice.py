@@ -1,0 +1,317 @@
+"""Compiled choice of tensions for a batch of questions; the kernel behind `distribute`.
+
+For each question: factorise the structure matrix, find how deep in the tension box the balancing tensions
+``f = start + N lambda`` go, and, where they go inside, choose ``lambda`` by the method asked for. Nothing here depends
+on which null basis ``N`` came out: every method is stated in tensions.
+
+Methods that work on the surface of the feasible set get a box widened by rounding, and where even that set is too thin
+for them, the deepest tensions stand: they are known to be inside. So a complete method never misses.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from steeplejack.mechanics.cable import line, linear, projection
+from steeplejack.mechanics.cable.methods import (
+    BARYCENTRE,
+    CLOSED_FORM,
+    IMPROVED,
+    LP,
+    MAX_MARGIN,
+    MIN_MAX,
+    MIN_NORM,
+    P_NORM,
+    QP,
+)
+from steeplejack.mechanics.cable.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
+from steeplejack.mechanics.cable.polygon import centroid, clip, upside_down
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+FEASIBLE, INFEASIBLE, SINGULAR, UNDEFINED, MISSED = range(5)
+TOLERANCE = line.TOLERANCE
+ROUNDING = 1e-12  # [1] widening of a box without depth, relative to the largest tension met
+
+
+@njit(cache=True, error_model="numpy")
+def distribute_each(
+    structures: Array, wrenches: Array, lowers: Array, uppers: Array, references: Array, costs: Array,
+    method: int, power: float,
+    tensions: Array, interval: Array, certificate: Array, margin: Array, status: Index,
+) -> None:  # fmt: skip
+    """Tensions of every question of a batch.
+
+    Args:
+        structures: (k, n, m), n <= m.
+        wrenches: (k, n).
+        lowers: (k, m) [N].
+        uppers: (k, m) [N].
+        references: (k or 1, m) [N].
+        costs: Weights, (k or 1, m).
+        method: A number of `methods`.
+        power: Of the p-norm [1].
+        tensions: Written where they exist, (k, m) [N].
+        interval: Written for one cable too many where feasible, (k, 2) [N].
+        certificate: Written where infeasible or singular, (k, n).
+        margin: Written, (k,) [1].
+        status: Written, (k,).
+    """
+    n, m = structures.shape[1], structures.shape[2]
+    r = m - n
+    left, tau, scale, order = np.empty((n, m)), np.empty(n), np.empty(n), np.empty(n, np.int64)
+    start, basis, proof, work = np.empty(m), np.empty((m, r)), np.empty(m), np.empty((m, r))
+    chosen, active, place, x = np.empty(r, np.int64), np.empty(r + 1, np.int64), np.empty(r + 1), np.empty(r)
+    least, most, weight = np.empty(m), np.empty(m), np.empty(m + r)
+    space = np.empty(max(linear.room(m, r), projection.room(m, r)))
+    points, labels = np.empty((2, 2 * m + 4, 2)), np.empty((2, 2 * m + 4), np.int64)
+    for k in range(structures.shape[0]):
+        lower, upper = lowers[k], uppers[k]
+        reference, cost = references[min(k, references.shape[0] - 1)], costs[min(k, costs.shape[0] - 1)]
+        margin[k], status[k] = -np.inf, UNDEFINED
+        if not _answerable(structures[k], wrenches[k], lower, upper, reference, cost):
+            continue
+        rank = decompose(structures[k], left, tau, scale, order)
+        if rank < n:
+            status[k] = SINGULAR
+            unresisted(left, scale, order, rank, wrenches[k], proof, certificate[k])
+            continue
+        null_columns(left, tau, basis)
+        least_norm(left, tau, scale, order, wrenches[k], start)
+        depth = _depth(start, basis, lower, upper, chosen, work, space, active, place, proof)
+        half = _half(lower, upper)
+        margin[k] = depth / half
+        _copy(place, x)
+        if margin[k] < -TOLERANCE:
+            status[k] = INFEASIBLE
+            if not upside_down(lower, upper):
+                carry_back(left, tau, scale, order, proof, certificate[k])
+        else:
+            status[k] = FEASIBLE
+            if r == 1:
+                null = basis.reshape(m)
+                low, high = line.interval(null, start, lower, upper, min(depth, 0.0))
+                interval[k, 0], interval[k, 1] = low, high
+                x[0] = _on_line(method, reference, cost, start, null, lower, upper, depth, low, high)
+            if r == 2 and method == BARYCENTRE:
+                corners = clip(start, basis, lower, upper, chosen, points, labels)
+                if corners > 0:
+                    x[0], x[1] = centroid(points[0], corners)
+            elif r > 1 or r == 1 and (method == P_NORM or method == IMPROVED):
+                _widen(start, lower, upper, depth, least, most)
+                _choose(
+                    method, power, reference, cost, start, basis, lower, upper, least, most, weight, depth, chosen,
+                    space, active, place, x,
+                )  # fmt: skip
+        _tensions(start, basis, x, tensions[k])
+        if status[k] == FEASIBLE and _excess(tensions[k], lower, upper) > 2.0 * TOLERANCE * half:
+            status[k] = MISSED
+
+
+@njit(cache=True, error_model="numpy")
+def _on_line(
+    method: int, reference: Array, cost: Array, start: Array, null: Array, lower: Array, upper: Array,
+    depth: float, low: float, high: float,
+) -> float:  # fmt: skip
+    """``lambda`` of the method for one cable too many; ``low`` to ``high`` are inside the box."""
+    pull, stretch, middle = 0.0, 0.0, 0.0
+    for i in range(null.size):
+        pull += cost[i] * null[i] * (1.0 if method == LP else reference[i] - start[i])
+        stretch += cost[i] * null[i] * null[i]
+        middle += 0.5 * (lower[i] + upper[i]) * null[i]
+    if method == BARYCENTRE:
+        return 0.5 * (low + high)
+    if method == MIN_MAX:
+        return line.least_largest(null, start, low, high)
+    if method == LP:
+        return low if pull >= 0.0 else high
+    if method == QP:
+        return min(max(pull / stretch, low), high)
+    if method == MIN_NORM:
+        return min(max(0.0, low), high)
+    if method == CLOSED_FORM:
+        return middle
+    low, high = line.interval(null, start, lower, upper, depth)
+    return min(max(middle, low), high)
+
+
+@njit(cache=True, error_model="numpy")
+def _choose(
+    method: int, power: float, reference: Array, cost: Array, start: Array, basis: Array, lower: Array, upper: Array,
+    least: Array, most: Array, weight: Array, depth: float, chosen: Index,
+    space: Array, active: Index, place: Array, x: Array,
+) -> None:  # fmt: skip
+    """Write ``lambda`` of the method to ``x``, which holds the deepest one; it stays where rounding defeats a method.
+
+    ``least`` and ``most`` are the bounds, widened; they and ``weight`` (m + r,) may be overwritten. Every method but
+    the linear and the closed ones ends in one projection.
+    """
+    m, r = basis.shape
+    if method == MIN_MAX or method == LP:
+        found = linear.cheapest(method == MIN_MAX, start, basis, least, most, cost, chosen, space, active, place)
+        if found:
+            _copy(place, x)
+        if not found or method == LP:
+            return
+        for i in range(m):
+            most[i] = min(most[i], place[r] + ROUNDING * _size(start, lower, upper))
+    for i in range(m):
+        weight[i] = cost[i] if method == QP else 1.0
+    for j in range(r):
+        place[j] = 0.0
+        if method == QP:
+            for i in range(m):
+                place[j] += cost[i] * basis[i, j] * (reference[i] - start[i])
+        elif method == CLOSED_FORM or method == IMPROVED or method == MAX_MARGIN:
+            for i in range(m):
+                place[j] += 0.5 * (lower[i] + upper[i]) * basis[i, j]
+    if method == CLOSED_FORM or method == IMPROVED:
+        if method == IMPROVED:
+            _meet(start, basis, lower, upper, space, place)
+        _copy(place, x)
+        return
+    if method == MAX_MARGIN:
+        inset = depth - ROUNDING * _size(start, lower, upper)
+        for i in range(m):
+            least[i], most[i] = lower[i] + inset, upper[i] - inset
+    slope = weight[m : m + r]
+    _copy(place, slope)
+    if projection.nearest(start, basis, weight[:m], slope, least, most, place[:r], space, active):
+        _copy(place, x)
+    if method == P_NORM:
+        projection.least_power(start, basis, least, most, reference, power, x, space, active)
+
+
+@njit(cache=True, error_model="numpy")
+def _copy(place: Array, x: Array) -> None:
+    """Write ``lambda`` to ``x``; element by element, which is faster than a slice for so few."""
+    for j in range(x.size):
+        x[j] = place[j]
+
+
+@njit(cache=True, error_model="numpy")
+def _answerable(structure: Array, wrench: Array, lower: Array, upper: Array, reference: Array, cost: Array) -> bool:
+    """Whether all is finite and every cable has a length; of one without, nobody knows where it pulls."""
+    total = 0.0
+    for j in range(structure.shape[0]):
+        total += wrench[j]
+    for i in range(structure.shape[1]):
+        column = 0.0
+        for j in range(structure.shape[0]):
+            column += abs(structure[j, i])
+        if column == 0.0:
+            return False
+        total += column + lower[i] + upper[i] + reference[i] + cost[i]
+    return math.isfinite(total)
+
+
+@njit(cache=True, error_model="numpy")
+def _half(lower: Array, upper: Array) -> float:
+    """Half the widest window [N]."""
+    widest = upper[0] - lower[0]
+    for i in range(1, lower.size):
+        widest = max(widest, upper[i] - lower[i])
+    return float(0.5 * widest)
+
+
+@njit(cache=True, error_model="numpy")
+def _depth(
+    start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, work: Array,
+    space: Array, active: Index, place: Array, proof: Array,
+) -> float:  # fmt: skip
+    """Greatest least distance to a bound [N], its ``lambda`` in ``place``; on a line the null vector is turned up."""
+    m, r = basis.shape
+    if r != 1:
+        linear.independent(basis, work, chosen)
+        linear.deepest(start, basis, lower, upper, chosen, space, active, place, proof)
+        return float(place[r])
+    null = basis.reshape(m)
+    total = 0.0
+    for i in range(m):
+        total += null[i]
+    if total < 0.0:
+        for i in range(m):
+            null[i] = -null[i]
+    depth = line.deepest(null, start, lower, upper, proof)
+    if depth < 0.0:
+        low, high = line.interval(null, start, lower, upper, depth)
+        place[0] = 0.5 * (low + high)
+    return depth
+
+
+@njit(cache=True, error_model="numpy")
+def _size(start: Array, lower: Array, upper: Array) -> float:
+    """Largest force that enters [N]; rounding is measured against it."""
+    size = 0.0
+    for i in range(start.size):
+        size = max(size, max(abs(start[i]), max(abs(lower[i]), abs(upper[i]))))
+    return float(size)
+
+
+@njit(cache=True, error_model="numpy")
+def _widen(start: Array, lower: Array, upper: Array, depth: float, least: Array, most: Array) -> None:
+    """Write bounds that leave the feasible set some thickness, if only that of rounding."""
+    slack = max(ROUNDING * _size(start, lower, upper) - depth, 0.0)
+    for i in range(start.size):
+        least[i], most[i] = lower[i] - slack, upper[i] + slack
+
+
+@njit(cache=True, error_model="numpy")
+def _meet(start: Array, basis: Array, lower: Array, upper: Array, space: Array, place: Array) -> None:
+    """From the closed form, fix the cable that is worst outside on its bound, and again, while cables are left.
+
+    Fixing a cable and solving the closed form of the others is a projection onto the plane where its tension is that
+    bound, within the planes of those fixed before.
+    """
+    m, r = basis.shape
+    frame = space[: r * r].reshape(r, r)
+    for count in range(r):
+        cable, worst = -1, 0.0
+        for i in range(m):
+            value = start[i]
+            for j in range(r):
+                value += basis[i, j] * place[j]
+            gap = max(lower[i] - value, 0.0) - max(value - upper[i], 0.0)
+            if abs(gap) > abs(worst):
+                cable, worst = i, gap
+        if cable < 0:
+            return
+        size = 0.0
+        for j in range(r):
+            frame[count, j] = basis[cable, j]
+        for k in range(count):
+            dot = 0.0
+            for j in range(r):
+                dot += frame[k, j] * frame[count, j]
+            for j in range(r):
+                frame[count, j] -= dot * frame[k, j]
+        for j in range(r):
+            size += frame[count, j] ** 2
+        if size < TOLERANCE**2:
+            return
+        for j in range(r):
+            place[j] += worst * frame[count, j] / size
+            frame[count, j] /= math.sqrt(size)
+
+
+@njit(cache=True, error_model="numpy")
+def _tensions(start: Array, basis: Array, x: Array, tensions: Array) -> None:
+    """Write ``f = start + N x``."""
+    for i in range(start.size):
+        tensions[i] = start[i]
+        for j in range(x.size):
+            tensions[i] += basis[i, j] * x[j]
+
+
+@njit(cache=True, error_model="numpy")
+def _excess(tensions: Array, lower: Array, upper: Array) -> float:
+    """How far the worst tension is outside the box [N]."""
+    worst = 0.0
+    for i in range(tensions.size):
+        worst = max(worst, max(lower[i] - tensions[i], tensions[i] - upper[i]))
+    return worst

@@ -1,0 +1,199 @@
+"""A platform on cables whose winches are locked: what its equilibria follow from, in one frozen value.
+
+Planar robots live in the plane z = 0 of space with the freedoms (x, y, phi); one set of formulas serves both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
+from steeplejack.mechanics.cable.tracking import PLANAR, SPATIAL
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LockedPlatform:
+    """Geometry, unstressed lengths, elasticity and loads, all in space; made by `planar` or `spatial`.
+
+    Attributes:
+        anchors: (m, 3) [m].
+        attachments: In the platform frame from its reference point, (m, 3) [m].
+        unstressed: Lengths paid out, arcs on pulleys included, (m,) [m].
+        axial_stiffness: ``EA``, infinite for inextensible cables, (m,) [N].
+        forces: Constant forces, the weight first, (j, 3) [N].
+        points: Where they act in the platform frame, the centre of mass first, (j, 3) [m].
+        moment: Constant moment about z; 0 in space, where none has a potential [N m].
+        in_plane: Whether only (x, y, phi) move.
+        axes: Unit swivel axes of the pulleys, (m, 3).
+        radii: Of the pulleys, (m,) [m].
+        gyration: Radius that weighs rotation against translation, of the mass where it is known [m].
+    """
+
+    anchors: Array
+    attachments: Array
+    unstressed: Array
+    axial_stiffness: Array
+    forces: Array
+    points: Array
+    moment: float
+    in_plane: bool
+    axes: Array
+    radii: Array
+    gyration: float
+
+    @classmethod
+    def planar(
+        cls,
+        anchors: ArrayLike,
+        attachments: ArrayLike,
+        unstressed: ArrayLike,
+        weight: ArrayLike,
+        *,
+        axial_stiffness: ArrayLike = np.inf,
+        centre: ArrayLike = (0.0, 0.0),
+        moment: float = 0.0,
+        radii: ArrayLike | None = None,
+        axes: ArrayLike | None = None,
+        gyration: float | None = None,
+    ) -> LockedPlatform:
+        """A platform in the plane.
+
+        Args:
+            anchors: (m, 2) [m].
+            attachments: (m, 2) [m].
+            unstressed: (m,) [m].
+            weight: With any other constant force at the centre, (2,) [N].
+            axial_stiffness: ``EA``, (m,) or a scalar [N]; inextensible cables by default.
+            centre: Where the weight acts, in the platform frame, (2,) [m].
+            moment: Constant, counter-clockwise [N m].
+            radii: Of pulleys, (m,) or a scalar [m]; straight cables where not given.
+            axes: Swivel axes in the plane, see `pulleys`, (m, 2); needed with radii.
+            gyration: Radius of gyration about the centre [m]; that of the attachments by default.
+
+        Returns:
+            The platform.
+
+        Raises:
+            InputError: A shape does not fit or a number is not usable; the message names it.
+        """
+        return _made(
+            2, anchors, attachments, unstressed, axial_stiffness, [weight], [centre], moment, radii, axes, gyration
+        )
+
+    @classmethod
+    def spatial(
+        cls,
+        anchors: ArrayLike,
+        attachments: ArrayLike,
+        unstressed: ArrayLike,
+        weight: ArrayLike,
+        *,
+        axial_stiffness: ArrayLike = np.inf,
+        centre: ArrayLike = (0.0, 0.0, 0.0),
+        forces: ArrayLike = (),
+        points: ArrayLike = (),
+        radii: ArrayLike | None = None,
+        axes: ArrayLike | None = None,
+        gyration: float | None = None,
+    ) -> LockedPlatform:
+        """A platform in space.
+
+        Args:
+            anchors: (m, 3) [m].
+            attachments: (m, 3) [m].
+            unstressed: (m,) [m].
+            weight: (3,) [N].
+            axial_stiffness: ``EA``, (m,) or a scalar [N]; inextensible cables by default.
+            centre: Where the weight acts, in the platform frame, (3,) [m].
+            forces: Further constant forces in world axes, (j, 3) [N]; a moment constant in the world has no potential.
+            points: Where they act, in the platform frame, (j, 3) [m].
+            radii: Of pulleys, (m,) or a scalar [m]; straight cables where not given.
+            axes: Swivel axes, see `pulleys`, (m, 3); needed with radii.
+            gyration: Radius of gyration about the centre [m]; that of the attachments by default.
+
+        Returns:
+            The platform.
+
+        Raises:
+            InputError: A shape does not fit or a number is not usable; the message names it.
+        """
+        more, where = (np.asarray(value, dtype=np.float64).reshape(-1, 3) for value in (forces, points))
+        if len(more) != len(where):
+            raise InputError("points", f"{len(where)} for {len(more)} forces", "one for each force")
+        loads, places = [weight, *more], [centre, *where]
+        return _made(3, anchors, attachments, unstressed, axial_stiffness, loads, places, 0.0, radii, axes, gyration)
+
+    @property
+    def freedoms(self) -> NDArray[np.int64]:
+        """Which of (omega; v) move, in the order of a pose, (n,)."""
+        return PLANAR if self.in_plane else SPATIAL
+
+    @property
+    def load(self) -> float:
+        """Sum of the sizes of all forces, the moment over the radius of gyration included [N]."""
+        return float(np.linalg.norm(self.forces, axis=1).sum()) + abs(self.moment) / self.gyration
+
+
+def _made(
+    d: int,
+    anchors: ArrayLike,
+    attachments: ArrayLike,
+    unstressed: ArrayLike,
+    axial_stiffness: ArrayLike,
+    forces: list[ArrayLike],
+    points: list[ArrayLike],
+    moment: float,
+    radii: ArrayLike | None,
+    axes: ArrayLike | None,
+    gyration: float | None,
+) -> LockedPlatform:
+    """Check everything once and move it to space."""
+    fixed = _points("anchors", anchors, d)
+    m = len(fixed)
+    local = _points("attachments", attachments, d)
+    if len(local) != m or m == 0:
+        raise InputError("attachments", f"{len(local)} for {m} anchors", "one for each of at least one anchor")
+    lengths = _positive("unstressed", unstressed, m, np.inf)
+    elastic = _positive("axial_stiffness", axial_stiffness, m, None)
+    loads, places = _points("forces", forces, d), _points("points", points, d)
+    wheels = pulley_radii(radii, m)
+    if not np.all((wheels >= 0.0) & np.isfinite(wheels)):
+        raise InputError("radii", f"{wheels.tolist()}", "finite radii in metres, 0 or more")
+    if wheels.any() and axes is None:
+        raise InputError("axes", "none", f"swivel axes of the pulleys, ({m}, {d})")
+    swivels = unit_axes(axes, m)
+    if swivels.shape != (m, 3) or not np.isfinite(swivels).all():
+        raise InputError("axes", "not usable", f"({m}, {d}) finite and none of length zero")
+    if not np.isfinite(moment):
+        raise InputError("moment", f"{moment}", "a finite moment in N m")
+    spread = local - places[0]
+    radius = float(np.sqrt(np.mean(np.sum(spread * spread, axis=1)))) if gyration is None else float(gyration)
+    if gyration is not None and not 0.0 < radius < np.inf:
+        raise InputError("gyration", f"{radius:g} m", "a finite radius above 0")
+    return LockedPlatform(
+        fixed, local, lengths, elastic, loads, places, float(moment), d == 2, swivels, wheels, radius or lengths.max()
+    )
+
+
+def _points(where: str, values: ArrayLike | list[ArrayLike], d: int) -> Array:
+    """Finite points (k, d) in space (k, 3)."""
+    given = np.asarray(values, dtype=np.float64)
+    if given.ndim != 2 or given.shape[1] != d or not np.isfinite(given).all():
+        raise InputError(where, f"shape {given.shape}", f"(k, {d}), all finite")
+    return in_space(given)
+
+
+def _positive(where: str, values: ArrayLike, count: int, below: float | None) -> Array:
+    """Numbers above 0, one for each cable; finite where ``below`` says so."""
+    given = np.asarray(values, dtype=np.float64)
+    if given.shape not in ((), (count,)):
+        raise InputError(where, f"shape {given.shape}", f"one number or {count}")
+    if not np.all(given > 0.0) or (below is not None and not np.all(given < below)):
+        raise InputError(where, f"{np.ravel(given).tolist()}", "numbers above 0" + (", finite" if below else ""))
+    return np.array(np.broadcast_to(given, (count,)))

@@ -1,0 +1,274 @@
+"""Compiled Gauss-Newton for the pose that explains cable lengths; `tracking` and `forward` are its public faces.
+
+Minimises ``sum_i (l_i(x) - l_o,i)^2`` by damped Gauss-Newton (Levenberg-Marquardt) with the analytic derivative
+``dl/dx = -J``, over the freedoms of a rigid body in space: all six, or (x, y, phi) of a robot in the plane z = 0. One
+compilation serves both. Rotations move along the manifold; lengths of straight cables and over pulleys come from
+`pulleys.cable_run`.
+
+Moments are divided by the reach of the attachments, so that rotations and translations compare and nothing depends on
+units.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from steeplejack.mechanics.cable.pulleys import cable_run
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CONVERGED, SINGULAR, UNFINISHED, UNDEFINED = range(4)
+ITERATIONS = 100
+STEP = 1e-11  # [1] distance still to go over the longest cable, foreseen from the last two steps, that ends the search
+DAMPING = 1e-6  # [1] at the start, against unit cable directions
+TINY = 1e-300
+CLEAR = 1e-3  # [1] damped pivot over its diagonal above which the rank need not be looked at again
+RANK = 1e-13  # [1] squared sine of the least angle between a freedom and the span of the others that counts as 0
+
+
+@njit(cache=True, error_model="numpy")
+def turn(rotation: Array, x: float, y: float, z: float, out: Array) -> None:
+    """Write ``exp([x y z]) rotation`` (3, 3), a rotation vector in world axes [rad], kept orthogonal to rounding."""
+    square = x * x + y * y + z * z
+    angle = math.sqrt(square)
+    if angle < 1e-4:
+        a, b = 1.0 - square / 6.0, 0.5 - square / 24.0
+    else:
+        a, b = math.sin(angle) / angle, (1.0 - math.cos(angle)) / square
+    for j in range(3):
+        p, q, r = rotation[0, j], rotation[1, j], rotation[2, j]
+        u, v, w = y * r - z * q, z * p - x * r, x * q - y * p
+        p, q, r = (
+            p + a * u + b * (y * w - z * v),
+            q + a * v + b * (z * u - x * w),
+            r + a * w + b * (x * v - y * u),
+        )
+        out[0, j], out[1, j], out[2, j] = p, q, r
+    # The first column normalised, the second made perpendicular, the third their product.
+    size = 1.0 / math.sqrt(out[0, 0] ** 2 + out[1, 0] ** 2 + out[2, 0] ** 2)
+    for i in range(3):
+        out[i, 0] *= size
+    dot = out[0, 0] * out[0, 1] + out[1, 0] * out[1, 1] + out[2, 0] * out[2, 1]
+    for i in range(3):
+        out[i, 1] -= dot * out[i, 0]
+    size = 1.0 / math.sqrt(out[0, 1] ** 2 + out[1, 1] ** 2 + out[2, 1] ** 2)
+    for i in range(3):
+        out[i, 1] *= size
+    out[0, 2] = out[1, 0] * out[2, 1] - out[2, 0] * out[1, 1]
+    out[1, 2] = out[2, 0] * out[0, 1] - out[0, 0] * out[2, 1]
+    out[2, 2] = out[0, 0] * out[1, 1] - out[1, 0] * out[0, 1]
+
+
+@njit(cache=True, error_model="numpy")
+def _misfit(
+    lengths: Array,
+    anchors: Array,
+    axes: Array,
+    radii: Array,
+    attachments: Array,
+    position: Array,
+    rotation: Array,
+    reach: float,
+    slope: Array,
+    errors: Array,
+    point: Array,
+    along: Array,
+    across: Array,
+) -> float:
+    """Sum of squared errors [m2]; writes errors (m,) and slopes ``dl/d(omega reach; v)`` (m, 6)."""
+    total, shrink = 0.0, 1.0 / reach
+    for i in range(anchors.shape[0]):
+        bx, by, bz = attachments[i, 0], attachments[i, 1], attachments[i, 2]
+        rx = rotation[0, 0] * bx + rotation[0, 1] * by + rotation[0, 2] * bz
+        ry = rotation[1, 0] * bx + rotation[1, 1] * by + rotation[1, 2] * bz
+        rz = rotation[2, 0] * bx + rotation[2, 1] * by + rotation[2, 2] * bz
+        x, y, z = position[0] + rx, position[1] + ry, position[2] + rz
+        if radii[i] == 0.0:  # a straight cable; the call below would cost as much again
+            x, y, z = anchors[i, 0] - x, anchors[i, 1] - y, anchors[i, 2] - z
+            length = math.sqrt(x * x + y * y + z * z)
+            inverse = 1.0 / length if length > 0.0 else 0.0
+            x, y, z = x * inverse, y * inverse, z * inverse
+        else:
+            point[0], point[1], point[2] = x, y, z
+            length, _c, _s = cable_run(anchors, axes, radii, i, point, along, across)
+            x, y, z = along[0], along[1], along[2]
+        errors[i] = length - lengths[i]
+        total += errors[i] * errors[i]
+        slope[i, 0] = (rz * y - ry * z) * shrink
+        slope[i, 1] = (rx * z - rz * x) * shrink
+        slope[i, 2] = (ry * x - rx * y) * shrink
+        slope[i, 3], slope[i, 4], slope[i, 5] = -x, -y, -z
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _normal(slope: Array, errors: Array, freedoms: Ints, row: Array, gram: Array, right: Array) -> None:
+    """Lower half of ``J J^T`` (n, n) and ``-J e`` (n,) of the freedoms."""
+    n = freedoms.shape[0]
+    for a in range(n):
+        right[a] = 0.0
+        for b in range(a + 1):
+            gram[a, b] = 0.0
+    for i in range(errors.shape[0]):
+        for a in range(n):
+            row[a] = slope[i, freedoms[a]]
+        for a in range(n):
+            right[a] -= row[a] * errors[i]
+            for b in range(a + 1):
+                gram[a, b] += row[a] * row[b]
+
+
+@njit(cache=True, error_model="numpy")
+def cholesky(matrix: Array, damping: float, factor: Array) -> float:
+    """Factor ``matrix + damping I`` from its lower half.
+
+    Returns:
+        The least pivot, less the damping, over its diagonal; above 0 where the factor exists.
+    """
+    n = matrix.shape[0]
+    least = np.inf
+    for a in range(n):
+        for b in range(a + 1):
+            total = matrix[a, b]
+            if a == b:
+                total += damping
+            diagonal = total
+            for c in range(b):
+                total -= factor[a, c] * factor[b, c]
+            if a == b:
+                if not total > 0.0:
+                    return 0.0
+                least = min(least, max(total - damping, TINY) / diagonal)
+                factor[a, a] = math.sqrt(total)
+            else:
+                factor[a, b] = total / factor[b, b]
+    return least
+
+
+@njit(cache=True, error_model="numpy")
+def substitute(factor: Array, right: Array, out: Array) -> None:
+    """Solve ``L L^T out = right``."""
+    n = right.shape[0]
+    for a in range(n):
+        total = right[a]
+        for c in range(a):
+            total -= factor[a, c] * out[c]
+        out[a] = total / factor[a, a]
+    for a in range(n - 1, -1, -1):
+        total = out[a]
+        for c in range(a + 1, n):
+            total -= factor[c, a] * out[c]
+        out[a] = total / factor[a, a]
+
+
+@njit(cache=True, error_model="numpy")
+def track_each(
+    lengths: Array,
+    anchors: Array,
+    axes: Array,
+    radii: Array,
+    attachments: Array,
+    freedoms: Ints,
+    follow: bool,
+    positions: Array,
+    rotations: Array,
+    residuals: Array,
+    steps: Ints,
+    status: Ints,
+) -> None:
+    """The nearest minimum of the misfit for every set of lengths.
+
+    Args:
+        lengths: Measured, (k, m) [m].
+        anchors: (m, 3) [m].
+        axes: Unit swivel axes, (m, 3).
+        radii: Of the pulleys, (m,) [m].
+        attachments: (m, 3) [m].
+        freedoms: Which of (omega; v) move, (n,).
+        follow: Start each from the answer before it, the first from its own start.
+        positions: Starts, replaced by answers, (k, 3) [m].
+        rotations: Starts, replaced by answers, (k, 3, 3).
+        residuals: Gets ``|l(x) - l_o|``, (k,) [m].
+        steps: Gets iterations, (k,).
+        status: Gets ``CONVERGED``, ``SINGULAR``, ``UNFINISHED`` or ``UNDEFINED``, (k,).
+    """
+    m, n = anchors.shape[0], freedoms.shape[0]
+    slope, errors, slope_new, errors_new = np.empty((m, 6)), np.empty(m), np.empty((m, 6)), np.empty(m)
+    gram, factor, right, move = np.empty((n, n)), np.empty((n, n)), np.empty(n), np.empty(n)
+    point, along, across, twist = np.empty(3), np.empty(3), np.empty(3), np.zeros(6)
+    place, place_new, rotation, rotation_new = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+    constants = (anchors, axes, radii, attachments)
+    reach = 0.0
+    for i in range(m):
+        reach = max(reach, math.sqrt(attachments[i, 0] ** 2 + attachments[i, 1] ** 2 + attachments[i, 2] ** 2))
+    last = 0
+    for k in range(lengths.shape[0]):
+        begin = last if follow else k
+        _copy(positions[begin], rotations[begin], place, rotation)
+        measured, size = lengths[k], 0.0
+        for i in range(m):
+            size = max(size, abs(measured[i]))
+        lever = reach if reach > 0.0 else size
+        cost = _misfit(measured, *constants, place, rotation, lever, slope, errors, point, along, across)
+        steps[k], residuals[k], status[k] = 0, np.nan, UNDEFINED
+        if not (math.isfinite(cost) and size > 0.0):
+            _copy(place, rotation, positions[k], rotations[k])
+            continue
+        status[k] = UNFINISHED
+        damping, before = DAMPING, 0.0
+        _normal(slope, errors, freedoms, move, gram, right)
+        while steps[k] < ITERATIONS:
+            steps[k] += 1
+            pivot = cholesky(gram, damping, factor)
+            while not pivot > 0.0:
+                damping = max(10.0 * damping, 1e-12)
+                pivot = cholesky(gram, damping, factor)
+            substitute(factor, right, move)
+            length = 0.0
+            for a in range(n):
+                twist[freedoms[a]] = move[a]
+                length += move[a] * move[a]
+            length = math.sqrt(length)
+            turn(rotation, twist[0] / lever, twist[1] / lever, twist[2] / lever, rotation_new)
+            for j in range(3):
+                place_new[j] = place[j] + twist[3 + j]
+            trial = _misfit(
+                measured, *constants, place_new, rotation_new, lever, slope_new, errors_new, point, along, across
+            )
+            better = trial <= cost
+            if better:
+                cost = trial
+                place, place_new = place_new, place
+                rotation, rotation_new = rotation_new, rotation
+                slope, slope_new = slope_new, slope
+                errors, errors_new = errors_new, errors
+                damping = max(0.01 * damping, 1e-14)
+            else:
+                damping = max(min(10.0 * damping, 1e9), 1e-4)
+            if length <= STEP * size or length * length <= STEP * size * before:
+                if pivot <= CLEAR:
+                    _normal(slope, errors, freedoms, move, gram, right)
+                    pivot = cholesky(gram, 0.0, factor)
+                status[k] = CONVERGED if pivot > RANK else SINGULAR
+                break
+            before = 0.0
+            if better:
+                before = length
+                _normal(slope, errors, freedoms, move, gram, right)
+        residuals[k] = math.sqrt(cost)
+        _copy(place, rotation, positions[k], rotations[k])
+        last = k
+
+
+@njit(cache=True)
+def _copy(position: Array, rotation: Array, position_out: Array, rotation_out: Array) -> None:
+    """Write a pose; loops, because assigning slices costs as much as a cable."""
+    for a in range(3):
+        position_out[a] = position[a]
+        for b in range(3):
+            rotation_out[a, b] = rotation[a, b]

@@ -1,0 +1,74 @@
+"""Cable robots by name: the built-in ones and TOML files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import msgspec
+
+from steeplejack.errors import InputError
+from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
+from steeplejack.robots.cable_robot.robot import CableRobot
+
+BUILT_IN = ("ccrobot-s-planar", "planar-4-4", "kntu-planar", "ipanema-2", "cogiro")
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A built-in cable robot in a list.
+
+    Attributes:
+        name: What to call it.
+        description: What it is.
+        dimension: ``planar`` or ``spatial``.
+        cables: How many.
+        source: Where its anchors come from.
+    """
+
+    name: str
+    description: str
+    dimension: Dimension
+    cables: int
+    source: str
+
+
+def list_cable_robots() -> tuple[Listing, ...]:
+    """Every built-in cable robot with its source."""
+    robots = [read_parameters(name) for name in BUILT_IN]
+    return tuple(
+        Listing(r.name, r.description, r.dimension, len(r.cables.anchors), r.cables.source["anchors"]) for r in robots
+    )
+
+
+def load_cable_robot(robot: str | Path) -> CableRobot:
+    """Read a cable robot.
+
+    Args:
+        robot: A built-in name (see `list_cable_robots`) or the path of a TOML file of the same form.
+
+    Returns:
+        The robot, SI.
+
+    Raises:
+        InputError: No such robot or file, or a field that cannot be used; the message names it.
+    """
+    return CableRobot.of(read_parameters(robot))
+
+
+def read_parameters(robot: str | Path) -> Parameters:
+    """Read a cable robot's values with their sources; arguments and errors as of `load_cable_robot`."""
+    if str(robot) in BUILT_IN:
+        text = files("steeplejack.robots.cable_robot").joinpath("data", f"{robot}.toml").read_bytes()
+    else:
+        try:
+            text = Path(robot).read_bytes()
+        except OSError as error:
+            what = error.strerror or "cannot be read"
+            raise InputError(str(robot), what, f"a TOML robot file or one of {', '.join(BUILT_IN)}") from None
+    try:
+        return msgspec.toml.decode(text, type=Parameters)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        what = str(error).replace("\n", " ")
+        raise InputError(str(robot), what, "see the built-in cogiro.toml for every field") from None

@@ -1,0 +1,205 @@
+"""A cable robot bound to the mechanics: cables from anchors in the world to attachments on one rigid platform.
+
+Planar robots take the pose ``(x, y, phi)`` and wrenches ``(fx, fy, mz)``; spatial robots take a position and a rotation
+matrix from platform to world, and wrenches ``(moment; force)``. Moments, twists and mass matrices are about the origin
+of the platform frame, world axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.load import gravity_wrench
+from steeplejack.mechanics.cable.modes import planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.pulleys import pulley_runs
+from steeplejack.mechanics.cable.stiffness import cable_rates, planar_stiffness, spatial_stiffness, turn_about_z
+from steeplejack.mechanics.cable.structure import (
+    planar_lengths,
+    planar_structure_matrix,
+    planar_vectors,
+    spatial_lengths,
+    spatial_structure_matrix,
+    spatial_vectors,
+)
+from steeplejack.robots.cable_robot.parameters import AXES, Dimension, Parameters
+
+Array = NDArray[np.float64]
+_Planar = Callable[[ArrayLike, ArrayLike, ArrayLike], Array]
+_Spatial = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class CableRobot:
+    """Cables, their limits and one rigid platform; d is 2 for a planar robot and 3 for a spatial one.
+
+    Attributes:
+        name: What the robot is called.
+        dimension: ``planar`` or ``spatial``.
+        anchors: Where cables leave the world, (m, d) [m].
+        attachments: Where they meet the platform, platform frame, (m, d) [m].
+        lower: Least tensions, (m,) [N].
+        upper: Greatest tensions, (m,) [N]; may be infinite.
+        mass: Of the platform [kg].
+        inertia: About the centre of mass, platform axes: (3, 3), or () for a planar robot [kg m2].
+        centre_of_mass: In the platform frame, (d,) [m].
+        axial_stiffness: EA of the cables, (m,) [N]; none where it is not known.
+        pulley_radii: (m,) [m]; none for straight cables.
+        pulley_axes: Way the cables travel on reaching their pulleys, (m, d); none for straight cables.
+    """
+
+    name: str
+    dimension: Dimension
+    anchors: Array
+    attachments: Array
+    lower: Array
+    upper: Array
+    mass: float
+    inertia: Array
+    centre_of_mass: Array
+    axial_stiffness: Array | None = None
+    pulley_radii: Array | None = None
+    pulley_axes: Array | None = None
+
+    @classmethod
+    def of(cls, parameters: Parameters) -> CableRobot:
+        """Bind what a robot file says."""
+        cables, pulleys = parameters.cables, parameters.pulleys
+        count = len(cables.anchors)
+        stiffness = cables.axial_stiffness
+        return cls(
+            name=parameters.name,
+            dimension=parameters.dimension,
+            anchors=np.array(cables.anchors),
+            attachments=np.array(cables.attachments),
+            lower=_each(cables.tension_min, (count,)),
+            upper=_each(cables.tension_max, (count,)),
+            mass=parameters.platform.mass,
+            inertia=np.array(parameters.platform.inertia),
+            centre_of_mass=np.array(parameters.platform.centre_of_mass),
+            axial_stiffness=None if stiffness is None else _each(stiffness, (count,)),
+            pulley_radii=None if pulleys is None else _each(pulleys.radius, (count,)),
+            pulley_axes=None if pulleys is None else _each(pulleys.axis, (count, AXES[parameters.dimension])),
+        )
+
+    @property
+    def redundancy(self) -> int:
+        """Cables beyond the degrees of freedom; negative where there are fewer."""
+        return len(self.anchors) - (3 if self.dimension == "planar" else 6)
+
+    def lengths(self, pose: ArrayLike, rotation: ArrayLike | None = None) -> Array:
+        """Cable lengths from the anchors, arcs on pulleys included.
+
+        Args:
+            pose: ``(x, y, phi)``, (..., 3), or the position of a spatial platform, (..., 3).
+            rotation: From platform to world, (..., 3, 3); spatial robots only.
+
+        Returns:
+            (..., m) [m].
+
+        Raises:
+            InputError: A rotation is missing or too many.
+        """
+        if self.pulley_radii is None:
+            return self._call(planar_lengths, spatial_lengths, self.anchors, pose, rotation)
+        return self._pulley_runs(pose, rotation)[0]
+
+    def structure(self, pose: ArrayLike, rotation: ArrayLike | None = None) -> Array:
+        """Structure matrix ``J^T``; arguments and errors as of `lengths`.
+
+        Returns:
+            (..., 3, m) with rows ``fx, fy, mz``, or (..., 6, m) with rows (moment; force).
+        """
+        exits = self.anchors if self.pulley_radii is None else self._pulley_runs(pose, rotation)[1]
+        return self._call(planar_structure_matrix, spatial_structure_matrix, exits, pose, rotation)
+
+    def weight(self, gravity: ArrayLike, pose: ArrayLike, rotation: ArrayLike | None = None) -> Array:
+        """Wrench of gravity on the platform about its reference point.
+
+        Args:
+            gravity: Of the worksite, (d,) [m/s2].
+            pose: As of `lengths`.
+            rotation: As of `lengths`.
+
+        Returns:
+            ``(fx, fy, mz)``, (..., 3), or (moment; force), (..., 6) [N, N m].
+        """
+        axes = len(self.centre_of_mass)
+        turn = self._turn(pose, rotation)[..., :axes, :axes]
+        wrench = gravity_wrench(self.mass, gravity, turn @ self.centre_of_mass)
+        shape = np.broadcast_shapes(wrench.shape[:-1], np.asarray(pose).shape[:-1])
+        return np.array(np.broadcast_to(wrench, (*shape, wrench.shape[-1])))
+
+    def stiffness(
+        self, tensions: ArrayLike, gravity: ArrayLike, pose: ArrayLike, rotation: ArrayLike | None = None
+    ) -> Array:
+        """Stiffness about an equilibrium with locked winches, of the stretch between anchors and attachments alone.
+
+        Args:
+            tensions: (..., m) [N].
+            gravity: Of the worksite, (d,) [m/s2].
+            pose: As of `lengths`.
+            rotation: As of `lengths`.
+
+        Returns:
+            (..., 3, 3) in (x, y, phi) or (..., 6, 6) in (rotation; displacement).
+
+        Raises:
+            InputError: The robot's axial stiffness is not known, or a rotation is missing or too many.
+        """
+        if self.axial_stiffness is None:
+            raise InputError(f"robot {self.name}", "no axial stiffness", "cables.axial_stiffness in its file")
+        rates = cable_rates(self.axial_stiffness, self.lengths(pose, rotation), tensions)
+        weight = self.mass * np.asarray(gravity, dtype=np.float64)
+        rest = (tensions, rates, weight, self.centre_of_mass, self.pulley_axes, self.pulley_radii)
+        if rotation is None:
+            return planar_stiffness(self.anchors, self.attachments, pose, *rest)
+        return spatial_stiffness(self.anchors, self.attachments, pose, rotation, *rest)
+
+    def mass_matrix(self, pose: ArrayLike, rotation: ArrayLike | None = None) -> Array:
+        """Mass matrix about the reference point; arguments and errors as of `lengths`.
+
+        Returns:
+            (..., 3, 3) in (x, y, phi) or (..., 6, 6) in (angular; linear).
+        """
+        turn = self._turn(pose, rotation)
+        if self.dimension == "planar":
+            phi = np.asarray(pose, dtype=np.float64)[..., 2]
+            return planar_mass_matrix(self.mass, self.inertia, self.centre_of_mass, phi)
+        return spatial_mass_matrix(self.mass, self.inertia, self.centre_of_mass, turn)
+
+    def _turn(self, pose: ArrayLike, rotation: ArrayLike | None) -> Array:
+        """Rotation from platform to world, (..., 3, 3)."""
+        if (rotation is None) != (self.dimension == "planar"):
+            found = "no rotation" if rotation is None else "a rotation"
+            raise InputError(
+                f"pose of {self.name}", found, "(x, y, phi) for planar robots, position and rotation for spatial ones"
+            )
+        if rotation is None:
+            return turn_about_z(np.asarray(pose, dtype=np.float64)[..., 2])
+        return np.asarray(rotation, dtype=np.float64)
+
+    def _call(
+        self, planar: _Planar, spatial: _Spatial, exits: Array, pose: ArrayLike, rotation: ArrayLike | None
+    ) -> Array:
+        """The planar or the spatial one of two functions of the geometry."""
+        turn = self._turn(pose, rotation)
+        if self.dimension == "planar":
+            return planar(exits, self.attachments, pose)
+        return spatial(exits, self.attachments, pose, turn)
+
+    def _pulley_runs(self, pose: ArrayLike, rotation: ArrayLike | None) -> tuple[Array, Array]:
+        """Lengths over the pulleys (..., m) [m], and points (..., m, d) [m] the free stretches lead to."""
+        ends = self.anchors - self._call(planar_vectors, spatial_vectors, self.anchors, pose, rotation)
+        assert self.pulley_radii is not None and self.pulley_axes is not None
+        lengths, along = pulley_runs(self.anchors, self.pulley_axes, self.pulley_radii, ends)
+        return lengths, ends + along
+
+
+def _each(value: object, shape: tuple[int, ...]) -> Array:
+    """One value for every cable."""
+    return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), shape))

@@ -1,0 +1,168 @@
+"""A lost cable: the published case, other routes to the same rest, paths that never rise, sweeps, maps, bad input."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hanging import hanging
+from scipy.optimize import minimize
+
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable import (
+    LockedPlatform,
+    Rest,
+    locked_at,
+    lost_cable,
+    lost_cable_map,
+    planar_lengths,
+    planar_structure_matrix,
+    settle,
+)
+
+WEIGHT = (0.0, -30.0 * 9.81)
+
+
+@pytest.fixture(scope="module")
+def table(reference):
+    return np.array(reference["table_iii"]["anchors"]), np.array(reference["table_iii"]["attachments"])
+
+
+@pytest.fixture(scope="module")
+def best(reference):
+    """Pose of the greatest tension factor at 50 degrees."""
+    return np.array([*reference["best"]["at"], np.deg2rad(50.0)])
+
+
+@pytest.fixture(scope="module")
+def machine(table):
+    """Table III with 30 kg and inextensible cables."""
+    return LockedPlatform.planar(*table, 1.0, WEIGHT)
+
+
+def test_cable_2_lost_at_the_best_pose(machine, best):
+    """Reference of squad.md, to the printed digits: cm, degrees, newtons."""
+    lost = lost_cable(locked_at(machine, best[:2], best[2]), 1, best[:2], best[2])
+    np.testing.assert_allclose(100.0 * lost.rest.position[:2], [-28.14942, 53.25171], atol=5e-6)
+    assert np.rad2deg(lost.rest.phi) == pytest.approx(59.2922, abs=5e-5)
+    np.testing.assert_allclose(lost.rest.tensions, [121.53, 0.0, 402.81, 0.0], atol=5e-3)
+    assert lost.rest.taut.tolist() == [True, False, True, False]
+    assert lost.rest.stable
+    assert lost.drop == pytest.approx(best[1] - 0.5325171, abs=5e-8)
+
+
+def test_survivors_carry_390_to_730_newtons(machine, best):
+    greatest = [
+        lost_cable(locked_at(machine, best[:2], best[2]), i, best[:2], best[2]).rest.tensions.max() for i in range(4)
+    ]
+    assert 385.0 < min(greatest) and max(greatest) < 735.0
+
+
+@pytest.mark.parametrize("cable", range(4))
+def test_a_constrained_minimiser_agrees(table, machine, best, cable):
+    """Highest-level second route: SLSQP on height under the remaining lengths; and the tensions balance."""
+    anchors, attachments = table
+    locked = locked_at(machine, best[:2], best[2])
+    lost = lost_cable(locked, cable, best[:2], best[2])
+    keep = [i for i in range(4) if i != cable]
+    near = lost.rest.pose + [1e-3, 2e-3, -2e-3]
+    answer = minimize(
+        lambda x: x[1],
+        near,
+        constraints={
+            "type": "ineq",
+            "fun": lambda x: (locked.unstressed - planar_lengths(anchors, attachments, x))[keep],
+        },
+        method="SLSQP",
+        options={"ftol": 1e-14},
+    )
+    np.testing.assert_allclose(lost.rest.pose, answer.x, atol=1e-6)
+    structure = planar_structure_matrix(anchors, attachments, lost.rest.pose)
+    np.testing.assert_allclose(structure @ lost.rest.tensions + [*WEIGHT, 0.0], 0.0, atol=1e-7)
+    assert lost.rest.tensions[cable] == 0.0
+    assert np.all(lost.rest.lengths[keep] <= locked.unstressed[keep] + 1e-9)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 4, 7, 9])
+def test_the_path_descends_and_stays_in_its_boxes(seed):
+    case = hanging(seed)
+    before = settle(case.platform, case.position, case.rotation)
+    cable = int(np.argmax(before.tensions))
+    corners = np.array([[x, y, z] for x in (-0.3, 0.3) for y in (-0.3, 0.3) for z in (-0.2, 0.2)])
+    lost = lost_cable(case.platform, cable, before.position, before.rotation, corners=corners)
+    assert lost.rest.status in (Rest.STABLE, Rest.NEUTRAL)
+    np.testing.assert_allclose(lost.positions[0], before.position, atol=1e-12)
+    np.testing.assert_allclose(lost.positions[-1], lost.rest.position, atol=1e-12)
+    keep = np.arange(len(case.platform.anchors)) != cable
+    ends = lost.positions[:, None] + np.einsum("kij,mj->kmi", lost.rotations, case.platform.attachments)
+    stretch = np.maximum(np.linalg.norm(case.platform.anchors - ends, axis=-1) - case.platform.unstressed, 0.0)
+    rate = np.where(keep, case.platform.axial_stiffness / case.platform.unstressed, 0.0)
+    middle = lost.positions + np.einsum("kij,j->ki", lost.rotations, case.centre)
+    energy = 0.5 * (rate * stretch**2).sum(axis=1) - middle @ case.platform.forces[0]
+    assert np.all(np.diff(energy) <= 1e-9 * np.abs(energy).max())
+    steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
+    assert steps.max() <= 0.01 * case.platform.unstressed.max() * (1.0 + 1e-9)
+    np.testing.assert_allclose(lost.reference_box, [lost.positions.min(axis=0), lost.positions.max(axis=0)], atol=1e-12)
+    swept = lost.positions[:, None] + np.einsum("kij,cj->kci", lost.rotations, corners)
+    np.testing.assert_allclose(lost.corner_box, [swept.min(axis=(0, 1)), swept.max(axis=(0, 1))], atol=1e-12)
+    assert lost.drop == pytest.approx(before.position[2] - lost.rest.position[2], abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 4])
+def test_the_path_is_that_of_a_heavily_damped_fall(seed):
+    """Shorter steps end in the same place and stay near the same path."""
+    case = hanging(seed)
+    before = settle(case.platform, case.position, case.rotation)
+    cable = int(np.argmax(before.tensions))
+    coarse, fine = (
+        lost_cable(case.platform, cable, before.position, before.rotation, stride=stride) for stride in (0.01, 0.0025)
+    )
+    np.testing.assert_allclose(coarse.rest.position, fine.rest.position, atol=1e-7)
+    gap = np.linalg.norm(coarse.positions[:, None] - fine.positions[None], axis=-1).min(axis=1)
+    assert gap.max() < 0.02 * case.platform.unstressed.max()
+
+
+def test_a_map_is_its_single_answers(machine, best):
+    places = best[:2] + np.array([[0.0, 0.0], [0.05, -0.05], [-0.02, 0.03], [np.nan, 0.0]])
+    angles = best[2] + np.array([0.0, 0.05, -0.02, 0.0])
+    table = lost_cable_map(machine, places, angles)
+    assert table.position.shape == (4, 4, 3) and table.tensions.shape == (4, 4, 4)
+    for k in range(3):
+        for cable in range(4):
+            one = lost_cable(locked_at(machine, places[k], angles[k]), cable, places[k], angles[k])
+            np.testing.assert_allclose(table.position[k, cable], one.rest.position, atol=1e-12)
+            np.testing.assert_allclose(table.rotation[k, cable], one.rest.rotation, atol=1e-12)
+            np.testing.assert_allclose(table.tensions[k, cable], one.rest.tensions, atol=1e-9)
+            np.testing.assert_allclose(
+                table.corner_box[k, cable], one.corner_box, atol=1e-3
+            )  # steps, and so places, differ with rounding
+            assert table.drop[k, cable] == pytest.approx(one.drop, abs=1e-12)
+            assert table.status[k, cable] == Rest.STABLE
+    assert (table.status[3] == Rest.UNDEFINED).all() and np.isnan(table.tensions[3]).all()
+    one = lost_cable_map(machine, places[:1], angles[:1], cables=[2])
+    np.testing.assert_array_equal(one.position[:, 0], table.position[:1, 2])
+
+
+def test_elastic_cables_shorten_when_locked(table, best):
+    """Unstressed lengths follow from the tensions before; a stiff elastic cable tends to the inextensible one."""
+    held = np.array([150.0, 160.0, 170.0, 140.0])
+    drops = []
+    for stiffness in (1e5, 1e7, np.inf):
+        platform = LockedPlatform.planar(*table, 1.0, WEIGHT, axial_stiffness=stiffness)
+        locked = locked_at(platform, best[:2], best[2], held)
+        np.testing.assert_allclose(locked.unstressed * (1.0 + held / stiffness), planar_lengths(*table, best))
+        drops.append(lost_cable(locked, 1, best[:2], best[2]).drop)
+        many = lost_cable_map(platform, best[None, :2], best[2:], tensions=held, cables=[1])
+        assert many.drop[0, 0] == pytest.approx(drops[-1], abs=1e-12)
+    assert abs(drops[1] - drops[2]) < 0.02 * abs(drops[0] - drops[2])
+
+
+def test_bad_input_is_refused(machine, best):
+    with pytest.raises(InputError, match="cable"):
+        lost_cable(machine, 4, best[:2], best[2])
+    alone = LockedPlatform.planar([[0.0, 0.0]], [[0.0, 0.0]], 1.0, WEIGHT)
+    with pytest.raises(InputError, match="only one"):
+        lost_cable(alone, 0, best[:2], best[2])
+    with pytest.raises(InputError, match="position"):
+        locked_at(alone, [0.0, 0.0], 0.0)
+    with pytest.raises(InputError, match="positions"):
+        lost_cable_map(machine, np.zeros((2, 3)), np.zeros(2))

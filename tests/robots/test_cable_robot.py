@@ -1,0 +1,234 @@
+"""Cable robots as data: the built-in ones against published values, bound objects against the mechanics, bad files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable import (
+    planar_lengths,
+    planar_structure_matrix,
+    spatial_lengths,
+    spatial_structure_matrix,
+    tension_factor,
+)
+from steeplejack.robots.cable_robot import BUILT_IN, list_cable_robots, load_cable_robot
+from steeplejack.robots.cable_robot.catalogue import read_parameters
+
+PLANAR = """
+name = "triangle"
+description = "three cables"
+dimension = "planar"
+[platform]
+mass = 2.0
+inertia = 0.1
+centre_of_mass = [0.01, -0.02]
+source = {mass = "made up", inertia = "made up", centre_of_mass = "made up"}
+[cables]
+anchors = [[0.0, 0.0], [4.0, 0.0], [2.0, 3.0]]
+attachments = [[-0.1, 0.0], [0.1, 0.0], [0.0, 0.1]]
+tension_min = 1.0
+tension_max = [50.0, 60.0, inf]
+source = {anchors = "made up", attachments = "made up", tension_min = "made up", tension_max = "made up"}
+"""
+PULLEYS = """
+[pulleys]
+radius = [0.05, 0.0, 0.04]
+axis = [[0.0, 1.0]]
+source = {radius = "made up", axis = "made up"}
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a robot file and return its path."""
+
+    def to(text):
+        path = tmp_path / "robot.toml"
+        path.write_text(text)
+        return path
+
+    return to
+
+
+def test_every_built_in_robot_is_listed_with_its_source():
+    listed = list_cable_robots()
+    assert tuple(robot.name for robot in listed) == BUILT_IN
+    assert [robot.cables for robot in listed] == [4, 4, 4, 8, 8]
+    assert [robot.dimension for robot in listed] == ["planar"] * 3 + ["spatial"] * 2
+    assert all(robot.source and robot.description for robot in listed)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_every_value_of_a_built_in_robot_has_a_source(name):
+    parameters = read_parameters(name)
+    for table in (parameters.platform, parameters.cables):
+        assert all(len(text) > 5 for text in table.source.values())
+    robot = load_cable_robot(name)
+    assert robot.redundancy == (1 if robot.dimension == "planar" else 2)
+    assert robot.lower.shape == robot.upper.shape == (len(robot.anchors),)
+
+
+def test_published_geometry(reference):
+    """The files say what the reference values of the other tests were computed with."""
+    squad, cogiro = load_cable_robot("ccrobot-s-planar"), load_cable_robot("cogiro")
+    np.testing.assert_array_equal(squad.anchors, reference["table_iii"]["anchors"])
+    np.testing.assert_array_equal(squad.attachments, reference["table_iii"]["attachments"])
+    np.testing.assert_array_equal(cogiro.anchors, reference["cogiro"]["anchors"])
+    np.testing.assert_array_equal(cogiro.attachments, reference["cogiro"]["attachments"])
+    x, y, phi = reference["lengths"]["x_y_phi_deg"]
+    np.testing.assert_allclose(squad.lengths([x, y, np.deg2rad(phi)]), reference["lengths"]["lengths"], rtol=1e-6)
+    for name, robot in zip(("planar-4-4", "kntu-planar"), reference["robot"], strict=True):
+        loaded = load_cable_robot(name)
+        np.testing.assert_array_equal(loaded.anchors, robot["anchors"])
+        for *pose, factor in robot["factors"]:
+            assert tension_factor(loaded.structure(pose)) == pytest.approx(factor, abs=1e-6)
+
+
+def test_ipanema_has_its_corners_in_the_stated_order():
+    robot = load_cable_robot("ipanema-2")
+    corners = np.tile([[-1, 1], [1, 1], [1, -1], [-1, -1]], (2, 1))
+    np.testing.assert_array_equal(np.sign(robot.anchors[:, :2]), corners)
+    np.testing.assert_array_equal(np.sign(robot.attachments[:, :2]), corners)
+
+
+def test_inertia_of_cogiro_about_its_frame_is_the_other_published_one():
+    """The document gives both; they agree to its rounding if off-diagonal entries are products, without a minus."""
+    robot = load_cable_robot("cogiro")
+    printed = np.array([[42.955, -0.414, 2.205], [-0.414, 42.427, -1.849], [2.205, -1.849, 25.557]])
+    about_origin = 2.0 * np.diag(np.diag(printed)) - printed
+    mass = robot.mass_matrix([0.0, 0.0, 2.0], np.eye(3))
+    np.testing.assert_allclose(mass[:3, :3], about_origin, atol=0.012)
+
+
+def test_a_bound_robot_answers_as_the_mechanics_do(rng):
+    planar, spatial = load_cable_robot("kntu-planar"), load_cable_robot("ipanema-2")
+    pose = rng.uniform(-0.4, 0.4, (2, 5, 3))
+    for bound, plain in ((planar.lengths, planar_lengths), (planar.structure, planar_structure_matrix)):
+        np.testing.assert_array_equal(bound(pose), plain(planar.anchors, planar.attachments, pose))
+    position, turn = rng.uniform(1.0, 2.0, (2, 5, 3)), Rotation.random(10, rng).as_matrix().reshape(2, 5, 3, 3)
+    for bound, plain in ((spatial.lengths, spatial_lengths), (spatial.structure, spatial_structure_matrix)):
+        np.testing.assert_array_equal(
+            bound(position, turn), plain(spatial.anchors, spatial.attachments, position, turn)
+        )
+    assert spatial.weight([0.0, 0.0, -9.81], position, turn).shape == (2, 5, 6)
+    assert spatial.mass_matrix(position, turn).shape == (2, 5, 6, 6)
+    assert planar.mass_matrix(pose).shape == (2, 5, 3, 3)
+
+
+def test_weight_is_the_slope_of_the_potential(write, rng):
+    """Minus the change of m g h along every coordinate."""
+    planar, spatial = load_cable_robot(write(PLANAR)), load_cable_robot("cogiro")
+    gravity = np.array([0.3, -9.0])
+    pose = np.array([1.0, 1.2, 0.6])
+
+    def energy(where):
+        turn = Rotation.from_rotvec([0.0, 0.0, where[2]]).as_matrix()[:2, :2]
+        return -planar.mass * gravity @ (where[:2] + turn @ planar.centre_of_mass)
+
+    slope = [-(energy(pose + s) - energy(pose - s)) / 2e-6 for s in np.eye(3) * 1e-6]
+    np.testing.assert_allclose(planar.weight(gravity, pose), slope, atol=1e-6)
+    down, turn = np.array([0.5, -1.0, -9.7]), Rotation.random(rng=rng)
+
+    def height(move):
+        turned = (Rotation.from_rotvec(move[:3]) * turn).as_matrix()
+        return -spatial.mass * down @ (move[3:] + turned @ spatial.centre_of_mass)
+
+    slope = [-(height(s) - height(-s)) / 2e-6 for s in np.eye(6) * 1e-6]
+    np.testing.assert_allclose(spatial.weight(down, np.zeros(3), turn.as_matrix()), slope, rtol=1e-5, atol=1e-5)
+
+
+def test_numbers_stand_for_all_cables_and_lists_for_each(write):
+    robot = load_cable_robot(write(PLANAR))
+    np.testing.assert_array_equal(robot.lower, 1.0)
+    np.testing.assert_array_equal(robot.upper, [50.0, 60.0, np.inf])
+    assert robot.redundancy == 0
+    assert robot.axial_stiffness is None
+    with pytest.raises(InputError, match="no axial stiffness"):
+        robot.stiffness(np.ones(3), [0.0, -9.81], [2.0, 1.0, 0.0])
+
+
+def test_pulleys_change_lengths_and_directions_together(write):
+    """``dl/dx = -J`` holds over pulleys, and a pulley of radius 0 is a straight cable."""
+    robot, straight = load_cable_robot(write(PLANAR + PULLEYS)), load_cable_robot(write(PLANAR))
+    pose = np.array([2.1, 1.1, 0.3])
+    slope = [(robot.lengths(pose + s) - robot.lengths(pose - s)) / 2e-6 for s in np.eye(3) * 1e-6]
+    np.testing.assert_allclose(-robot.structure(pose), slope, atol=1e-8)
+    longer = robot.lengths(pose) - straight.lengths(pose)
+    assert longer[1] == 0.0
+    assert (np.abs(longer[[0, 2]]) > 1e-4).all()
+
+
+def test_planar_and_spatial_poses_are_not_mixed_up():
+    with pytest.raises(InputError, match=r"pose of cogiro: no rotation"):
+        load_cable_robot("cogiro").structure([0.0, 0.0, 2.0])
+    with pytest.raises(InputError, match=r"pose of kntu-planar: a rotation"):
+        load_cable_robot("kntu-planar").lengths([0.0, 0.0, 0.0], np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    (
+        ('name = "triangle"', 'name = "triangle"\ncolour = "red"', "unknown field `colour`"),
+        ("mass = 2.0", "mass = -2.0", r"\$.platform.mass"),
+        ("mass = 2.0", 'mass = "two"', r"\$.platform.mass"),
+        ("mass = 2.0", "mass = nan", r"\$.platform.mass"),
+        ("mass = 2.0", "mass = inf", r"`mass` has an entry that is not a finite number - at `\$.platform`"),
+        ("inertia = 0.1\n", "inertia = [[1.0,0.0,0.0],[0.0,1.0,0.0],[0.0,0.0,1.0]]\n", "planar robot is one number"),
+        ("[4.0, 0.0]", "[4.0, 0.0, 0.0]", "`cables.anchors`, entry 2, has 3 coordinates and needs 2"),
+        ("[4.0, 0.0]", "[4.0, inf]", "`anchors` has an entry that is not a finite number"),
+        (", [0.0, 0.1]]", "]", "`cables.attachments` has 2 entries for 3 cables"),
+        ("[50.0, 60.0, inf]", "[50.0, 60.0]", "`cables.tension_max` has 2 entries for 3 cables"),
+        ("[50.0, 60.0, inf]", "0.5", r"tension window \[1.0, 0.5\] of cable 1 is upside down"),
+        ("tension_min = 1.0", "tension_min = -1.0", r"\$.cables.tension_min"),
+        ("tension_min = 1.0", "tension_min = nan", "tension_min"),
+        ('mass = "made up", ', "", "`mass` needs both a value and an entry under `source`"),
+        ('dimension = "planar"', 'dimension = "flat"', r"Invalid enum value 'flat'"),
+        ('dimension = "planar"', 'dimension = "spatial"', "2 coordinates and needs 3"),
+        ("anchors = [[", "anchors = [[[", "robot.toml"),
+        ("axis = [[0.0, 1.0]]", "axis = [[0.0, 0.0]]", "direction without length"),
+        ("axis = [[0.0, 1.0]]", "axis = [[0.0, 1.0], [1.0, 0.0]]", "`pulleys.axis` has 2 entries for 3 cables"),
+    ),
+)
+def test_a_file_that_cannot_be_used_is_refused_by_name(write, old, new, message):
+    text = PLANAR + PULLEYS
+    assert old in text
+    with pytest.raises(InputError, match=message) as caught:
+        load_cable_robot(write(text.replace(old, new, 1)))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    (
+        ("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]", "3 x 3"),
+        ("[[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]", "not symmetric"),
+        ("[[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]", "not positive definite"),
+        ("1.0", "3 x 3"),
+    ),
+)
+def test_spatial_inertia_is_checked(write, rows, message):
+    text = (
+        'name = "one"\ndescription = "one cable"\ndimension = "spatial"\n[platform]\nmass = 1.0\n'
+        f"inertia = {rows}\ncentre_of_mass = [0.0, 0.0, 0.0]\n"
+        'source = {mass = "-", inertia = "-", centre_of_mass = "-"}\n'
+        "[cables]\nanchors = [[0.0, 0.0, 1.0]]\nattachments = [[0.0, 0.0, 0.0]]\ntension_min = 0.0\n"
+        'tension_max = 1.0\nsource = {anchors = "-", attachments = "-", tension_min = "-", tension_max = "-"}\n'
+    )
+    with pytest.raises(InputError, match=message):
+        load_cable_robot(write(text))
+
+
+@pytest.mark.parametrize("name", ("no-such-robot", "", "."))
+def test_no_such_robot(name):
+    with pytest.raises(InputError, match="ccrobot-s-planar, planar-4-4"):
+        load_cable_robot(name)
+
+
+def test_a_file_that_is_not_text(tmp_path):
+    path = tmp_path / "robot.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match=r"robot.toml"):
+        load_cable_robot(path)
