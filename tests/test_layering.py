@@ -20,6 +20,17 @@ TIERS = [
     {"cli"},
     {"__init__"},  # the package's own public names
 ]
+# The same within the room of cable mechanics: what a part may import beside itself, `structure` and `pulleys`.
+CABLE = {
+    "structure": set[str](),
+    "pulleys": set[str](),
+    "tension": set[str](),
+    "wrench": {"tension"},
+    "region": {"tension", "wrench"},
+    "pose": set[str](),
+    "rest": {"pose"},
+    "measure": {"tension", "wrench", "rest"},
+}
 EXTRA = {("planning", "design"), ("spatial", "errors")}
 LIBRARIES = {
     "mujoco": {"simulation"},
@@ -83,3 +94,22 @@ def test_the_checker_sees_a_wrong_arrow() -> None:
     assert not allowed("mechanics", "robots")
     assert not allowed("control", "planning")
     assert allowed("planning", "design")
+
+
+@pytest.mark.parametrize("part", CABLE)
+def test_parts_of_cable_mechanics_import_one_way(part: str) -> None:
+    root = PACKAGE / "mechanics" / "cable"
+    files = [root / f"{part}.py"] if (root / f"{part}.py").exists() else sorted((root / part).glob("*.py"))
+    found = {
+        name.split(".")[3]
+        for path in files
+        for name in imports(path)
+        if name.startswith("steeplejack.mechanics.cable.")
+    }
+    assert found <= CABLE[part] | {part, "structure", "pulleys"}
+
+
+def test_every_part_of_cable_mechanics_is_in_the_table() -> None:
+    root = PACKAGE / "mechanics" / "cable"
+    parts = {path.stem for path in root.iterdir() if not path.name.startswith("__")}
+    assert parts == set(CABLE)

@@ -5,8 +5,8 @@ import pytest
 
 from steeplejack.control import allocation, estimator
 from steeplejack.control.law import law, least_squares
-from steeplejack.mechanics.cable import suspension
-from steeplejack.mechanics.cable.in_plane import plane_matrix
+from steeplejack.mechanics.cable.rest import suspension
+from steeplejack.mechanics.cable.rest.in_plane import plane_matrix
 from steeplejack.spatial import from_vector
 
 ATTACHMENTS = np.array([[-0.095, -0.095, 0.0], [0.095, -0.095, 0.0], [0.095, 0.095, 0.0], [-0.095, 0.095, 0.0]])

@@ -8,9 +8,9 @@ from published_robots import IPANEMA_2, KNTU, PLANAR_4_4, rotations
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import null_vector, planar_structure_matrix, spatial_structure_matrix
-from steeplejack.mechanics.cable.boundary import certified_rays, closure_rays
-from steeplejack.mechanics.cable.certified import Label, certify
-from steeplejack.mechanics.cable.facets import planar_facets, spatial_facets
+from steeplejack.mechanics.cable.region.boundary import certified_rays, closure_rays
+from steeplejack.mechanics.cable.region.certified import Label, certify
+from steeplejack.mechanics.cable.region.facets import planar_facets, spatial_facets
 
 WRENCH, WINDOW = np.array([0.0, -30.0 * 9.81, 0.0]), (10.0, 250.0)
 TILTED = rotations(np.array([[0.05, 0.1, -0.08]]))[0]

@@ -18,9 +18,9 @@ from steeplejack.mechanics.cable import (
     spatial_structure_matrix,
     tension_factor,
 )
-from steeplejack.mechanics.cable.certified import Label, certify, closure_box
-from steeplejack.mechanics.cable.determinants import CUBIC
-from steeplejack.mechanics.cable.facets import planar_facets, spatial_facets
+from steeplejack.mechanics.cable.region.certified import Label, certify, closure_box
+from steeplejack.mechanics.cable.region.determinants import CUBIC
+from steeplejack.mechanics.cable.region.facets import planar_facets, spatial_facets
 
 SAMPLES = 100_000
 WRENCH, WINDOW = np.array([0.0, -30.0 * 9.81, 0.0]), (10.0, 250.0)

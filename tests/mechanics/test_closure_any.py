@@ -19,7 +19,7 @@ from steeplejack.mechanics.cable import (
     tension_factor,
     wrench_closure,
 )
-from steeplejack.mechanics.cable.hyperplanes import factors_each
+from steeplejack.mechanics.cable.wrench.hyperplanes import factors_each
 
 
 def structures_of(robot, rng, count):

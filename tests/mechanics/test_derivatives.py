@@ -15,15 +15,15 @@ from steeplejack.mechanics.cable import (
     spatial_structure_matrix,
     tension_factor,
 )
-from steeplejack.mechanics.cable.derivatives import (
+from steeplejack.mechanics.cable.measure.derivatives import (
     gradient,
     planar_structure_derivatives,
     planar_weight_derivative,
     spatial_structure_derivatives,
     spatial_weight_derivative,
 )
-from steeplejack.mechanics.cable.feasibility import capacity_margin
-from steeplejack.mechanics.cable.slopes import capacity_margin_slope, margin_slope, tension_factor_slope
+from steeplejack.mechanics.cable.measure.slopes import capacity_margin_slope, margin_slope, tension_factor_slope
+from steeplejack.mechanics.cable.wrench.feasibility import capacity_margin
 from steeplejack.robots.cable_robot import load_cable_robot
 
 PLANAR = ("ccrobot-s-planar", "planar-4-4", "kntu-planar")

@@ -16,7 +16,7 @@ from steeplejack.mechanics.cable import (
     planar_arms,
     planar_structure_matrix,
 )
-from steeplejack.mechanics.cable.line import TOLERANCE
+from steeplejack.mechanics.cable.tension.line import TOLERANCE
 
 BAND = 1e-6  # [1] margin below which a linear program may decide either way
 CONCURRENT = 0.5 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0]])

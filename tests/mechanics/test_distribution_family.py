@@ -12,7 +12,7 @@ from tension_questions import balanced_by, descent_left, drawn, excess, publishe
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import METHODS, Status, certificate_gap, distribute, tension_polygon
-from steeplejack.mechanics.cable.line import TOLERANCE
+from steeplejack.mechanics.cable.tension.line import TOLERANCE
 
 COMPLETE = [name for name, record in METHODS.items() if record.complete]
 SHAPES = [(3, 4), (6, 7), (3, 5), (6, 8), (3, 6), (6, 10)]

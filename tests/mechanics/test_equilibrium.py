@@ -16,8 +16,8 @@ from steeplejack.mechanics.cable import (
     settle,
     spatial_structure_matrix,
 )
-from steeplejack.mechanics.cable.modes import planar_mass_matrix, spatial_mass_matrix
-from steeplejack.mechanics.cable.potential import bounded_step, evaluate
+from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.rest.potential import bounded_step, evaluate
 from steeplejack.spatial import from_vector
 
 SEEDS = range(12)

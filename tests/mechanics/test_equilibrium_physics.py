@@ -10,7 +10,7 @@ import pytest
 from hanging import Hanging, hanging
 
 from steeplejack.mechanics.cable import Rest, natural_frequencies, settle
-from steeplejack.mechanics.cable.modes import spatial_mass_matrix
+from steeplejack.mechanics.cable.rest.modes import spatial_mass_matrix
 
 mujoco: Any = importlib.import_module("mujoco")
 

@@ -13,7 +13,7 @@ from steeplejack.mechanics.cable import (
     pose_rates,
     tension_factor,
 )
-from steeplejack.mechanics.cable.tracking import TrackingStatus, track_planar
+from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, track_planar
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ from steeplejack.mechanics.cable import (
     track_planar,
     track_spatial,
 )
-from steeplejack.mechanics.cable.every_pose import _angles, _rotations
-from steeplejack.mechanics.cable.global_search import enclose
+from steeplejack.mechanics.cable.pose.every_pose import _angles, _rotations
+from steeplejack.mechanics.cable.pose.global_search import enclose
 from steeplejack.spatial import from_vector
 
 CORNERS = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])

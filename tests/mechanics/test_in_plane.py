@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from steeplejack.mechanics.cable.in_plane import dexterity, plane_matrix
-from steeplejack.mechanics.cable.suspension import directions
+from steeplejack.mechanics.cable.rest.in_plane import dexterity, plane_matrix
+from steeplejack.mechanics.cable.rest.suspension import directions
 from steeplejack.spatial import from_vector
 
 ATTACHMENTS = np.array([[-0.1, -0.08, 0.0], [0.09, -0.1, 0.02], [0.1, 0.11, 0.0], [-0.08, 0.1, 0.01]])

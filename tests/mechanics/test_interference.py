@@ -7,8 +7,8 @@ import pytest
 from published_robots import COGIRO, IPANEMA_2, rotations
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.certified import Label
-from steeplejack.mechanics.cable.interference import (
+from steeplejack.mechanics.cable.region.certified import Label
+from steeplejack.mechanics.cable.region.interference import (
     Surroundings,
     box_faces,
     cable_crossings,

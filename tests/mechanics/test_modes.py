@@ -9,8 +9,8 @@ from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.modes import natural_modes, planar_mass_matrix, spatial_mass_matrix
-from steeplejack.mechanics.cable.stiffness import planar_stiffness, spatial_stiffness
+from steeplejack.mechanics.cable.rest.modes import natural_modes, planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.rest.stiffness import planar_stiffness, spatial_stiffness
 from steeplejack.robots.cable_robot import load_cable_robot
 
 GRAVITY = 9.81

@@ -8,7 +8,7 @@ from scipy import linalg
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import RankStatus, null_space
-from steeplejack.mechanics.cable.nullspace import carry_back, decompose, least_norm, unresisted
+from steeplejack.mechanics.cable.tension.nullspace import carry_back, decompose, least_norm, unresisted
 
 SHAPES = [(1, 4), (3, 3), (3, 4), (3, 5), (3, 10), (6, 6), (6, 7), (6, 8), (6, 12)]
 

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import certificate_gap, null_space, tension_polygon
-from steeplejack.mechanics.cable.polygon import centroid
+from steeplejack.mechanics.cable.tension.polygon import centroid
 
 
 def questions(rng, n, count, outside=20.0):

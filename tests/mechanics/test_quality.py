@@ -7,7 +7,7 @@ import pytest
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import characteristic_length
-from steeplejack.mechanics.cable.quality import condition_number, dexterity, normalised_structure
+from steeplejack.mechanics.cable.measure.quality import condition_number, dexterity, normalised_structure
 from steeplejack.robots.cable_robot import load_cable_robot
 
 

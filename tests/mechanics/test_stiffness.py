@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from steeplejack.mechanics.cable.pulleys import pulley_runs
-from steeplejack.mechanics.cable.stiffness import cable_rates, planar_stiffness, spatial_stiffness
-from steeplejack.mechanics.cable.suspension import directions
-from steeplejack.mechanics.cable.suspension import stiffness as hanging_stiffness
+from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness
+from steeplejack.mechanics.cable.rest.suspension import directions
+from steeplejack.mechanics.cable.rest.suspension import stiffness as hanging_stiffness
 
 STEP = 1e-6
 AXIAL = 2e4

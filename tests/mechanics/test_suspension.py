@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from steeplejack.mechanics.cable import clearance, suspension
+from steeplejack.mechanics.cable.region import clearance
+from steeplejack.mechanics.cable.rest import suspension
 from steeplejack.spatial import from_vector
 
 ATTACHMENTS = np.array([[-0.1, -0.09, 0.01], [0.11, -0.1, -0.02], [0.09, 0.1, 0.0], [-0.1, 0.12, 0.015]])

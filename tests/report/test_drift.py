@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import fsolve
 
-from steeplejack.mechanics.cable.suspension import hang
+from steeplejack.mechanics.cable.rest.suspension import hang
 from steeplejack.report.drift import drift_shift
 from steeplejack.robots.squad.parameters import load_squad
 from steeplejack.spatial import from_vector

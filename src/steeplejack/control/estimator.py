@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.suspension import directions, residual, stiffness
+from steeplejack.mechanics.cable.rest.suspension import directions, residual, stiffness
 from steeplejack.spatial.rotation import turned
 
 Array = NDArray[np.float64]

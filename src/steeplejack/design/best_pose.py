@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InfeasibleError
-from steeplejack.mechanics.cable.closure import null_vector, tension_factor
-from steeplejack.mechanics.cable.grid import best_node
+from steeplejack.mechanics.cable.region.grid import best_node
 from steeplejack.mechanics.cable.structure import planar_structure_matrix
+from steeplejack.mechanics.cable.wrench.closure import null_vector, tension_factor
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.grid import grid_nodes, margin_grid, tension_factor_grid
-from steeplejack.mechanics.cable.line import TOLERANCE
+from steeplejack.mechanics.cable.region.grid import grid_nodes, margin_grid, tension_factor_grid
+from steeplejack.mechanics.cable.tension.line import TOLERANCE
 
 if TYPE_CHECKING:
     import xarray as xr

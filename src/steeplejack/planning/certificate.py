@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable import clearance, in_plane, suspension
+from steeplejack.mechanics.cable.region import clearance
+from steeplejack.mechanics.cable.rest import in_plane, suspension
 from steeplejack.robots.squad.anchorage import exits, limits
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad

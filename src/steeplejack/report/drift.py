@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.suspension import directions, stiffness
+from steeplejack.mechanics.cable.rest.suspension import directions, stiffness
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.clearance import cable_gap
+from steeplejack.mechanics.cable.region.clearance import cable_gap
 from steeplejack.report.log import Log
 
 Array = NDArray[np.float64]

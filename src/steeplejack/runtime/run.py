@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from steeplejack.control.controller import PlatformController, Setpoint, State
 from steeplejack.errors import InputError, SteeplejackError
-from steeplejack.mechanics.cable.suspension import directions, force_family
+from steeplejack.mechanics.cable.rest.suspension import directions, force_family
 from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad

@@ -1,18 +1,6 @@
 """Cable mechanics: structure, closure, bounded tensions, forward kinematics and maps of cable-driven platforms."""
 
-from steeplejack.mechanics.cable.boundary import Rays, certified_rays, closure_rays
-from steeplejack.mechanics.cable.certified import CertifiedRegion, Label, certify, closure_box
-from steeplejack.mechanics.cable.closure import (
-    Closure,
-    ClosureStatus,
-    in_wrench_closure,
-    is_singular,
-    null_vector,
-    spatial_closure_map,
-    tension_factor,
-    wrench_closure,
-)
-from steeplejack.mechanics.cable.derivatives import (
+from steeplejack.mechanics.cable.measure.derivatives import (
     Gradient,
     StructureDerivatives,
     gradient,
@@ -21,25 +9,23 @@ from steeplejack.mechanics.cable.derivatives import (
     spatial_structure_derivatives,
     spatial_weight_derivative,
 )
-from steeplejack.mechanics.cable.distribution import (
-    Status,
-    TensionDistribution,
-    certificate_gap,
-    distribute,
+from steeplejack.mechanics.cable.measure.quality import condition_number, dexterity, normalised_structure
+from steeplejack.mechanics.cable.measure.slopes import Slope, capacity_margin_slope, margin_slope, tension_factor_slope
+from steeplejack.mechanics.cable.pose.every_pose import EveryPose, every_planar_pose, every_spatial_pose
+from steeplejack.mechanics.cable.pose.forward import ForwardKinematics, forward_kinematics, loaded_lengths, pose_rates
+from steeplejack.mechanics.cable.pose.tracking import (
+    PlanarTrack,
+    SpatialTrack,
+    TrackingStatus,
+    track_planar,
+    track_spatial,
 )
-from steeplejack.mechanics.cable.equilibrium import Equilibrium, Rest, equilibria, natural_frequencies, settle
-from steeplejack.mechanics.cable.every_pose import EveryPose, every_planar_pose, every_spatial_pose
-from steeplejack.mechanics.cable.facets import Facets, planar_facets, spatial_facets
-from steeplejack.mechanics.cable.feasibility import (
-    Feasibility,
-    FeasibilityStatus,
-    capacity_margin,
-    characteristic_length,
-    wrench_feasible,
-)
-from steeplejack.mechanics.cable.forward import ForwardKinematics, forward_kinematics, loaded_lengths, pose_rates
-from steeplejack.mechanics.cable.grid import best_node, grid_nodes, margin_grid, tension_factor_grid
-from steeplejack.mechanics.cable.interference import (
+from steeplejack.mechanics.cable.pulleys import pulley_runs
+from steeplejack.mechanics.cable.region.boundary import Rays, certified_rays, closure_rays
+from steeplejack.mechanics.cable.region.certified import CertifiedRegion, Label, certify, closure_box
+from steeplejack.mechanics.cable.region.facets import Facets, planar_facets, spatial_facets
+from steeplejack.mechanics.cable.region.grid import best_node, grid_nodes, margin_grid, tension_factor_grid
+from steeplejack.mechanics.cable.region.interference import (
     Surroundings,
     box_faces,
     cable_crossings,
@@ -49,17 +35,11 @@ from steeplejack.mechanics.cable.interference import (
     interference_region,
     platform_overlap,
 )
-from steeplejack.mechanics.cable.load import gravity_wrench, inertial_wrench, planar_inertial_wrench
-from steeplejack.mechanics.cable.locked import LockedPlatform
-from steeplejack.mechanics.cable.lost import LostCable, LostCableMap, locked_at, lost_cable, lost_cable_map
-from steeplejack.mechanics.cable.methods import METHODS, Method, MethodRecord
-from steeplejack.mechanics.cable.modes import Modes, natural_modes, planar_mass_matrix, spatial_mass_matrix
-from steeplejack.mechanics.cable.nullspace import NullSpace, RankStatus, null_space
-from steeplejack.mechanics.cable.polygon import TensionPolygon, tension_polygon
-from steeplejack.mechanics.cable.pulleys import pulley_runs
-from steeplejack.mechanics.cable.quality import condition_number, dexterity, normalised_structure
-from steeplejack.mechanics.cable.slopes import Slope, capacity_margin_slope, margin_slope, tension_factor_slope
-from steeplejack.mechanics.cable.stiffness import cable_rates, planar_stiffness, spatial_stiffness
+from steeplejack.mechanics.cable.rest.equilibrium import Equilibrium, Rest, equilibria, natural_frequencies, settle
+from steeplejack.mechanics.cable.rest.locked import LockedPlatform
+from steeplejack.mechanics.cable.rest.lost import LostCable, LostCableMap, locked_at, lost_cable, lost_cable_map
+from steeplejack.mechanics.cable.rest.modes import Modes, natural_modes, planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness
 from steeplejack.mechanics.cable.structure import (
     planar_arms,
     planar_lengths,
@@ -69,9 +49,35 @@ from steeplejack.mechanics.cable.structure import (
     spatial_structure_matrix,
     spatial_vectors,
 )
-from steeplejack.mechanics.cable.task import TaskWrenches
-from steeplejack.mechanics.cable.tracking import PlanarTrack, SpatialTrack, TrackingStatus, track_planar, track_spatial
-from steeplejack.mechanics.cable.zonotope import WrenchSet, WrenchSetStatus, available_wrench_set
+from steeplejack.mechanics.cable.tension.distribution import (
+    Status,
+    TensionDistribution,
+    certificate_gap,
+    distribute,
+)
+from steeplejack.mechanics.cable.tension.methods import METHODS, Method, MethodRecord
+from steeplejack.mechanics.cable.tension.nullspace import NullSpace, RankStatus, null_space
+from steeplejack.mechanics.cable.tension.polygon import TensionPolygon, tension_polygon
+from steeplejack.mechanics.cable.wrench.closure import (
+    Closure,
+    ClosureStatus,
+    in_wrench_closure,
+    is_singular,
+    null_vector,
+    spatial_closure_map,
+    tension_factor,
+    wrench_closure,
+)
+from steeplejack.mechanics.cable.wrench.feasibility import (
+    Feasibility,
+    FeasibilityStatus,
+    capacity_margin,
+    characteristic_length,
+    wrench_feasible,
+)
+from steeplejack.mechanics.cable.wrench.load import gravity_wrench, inertial_wrench, planar_inertial_wrench
+from steeplejack.mechanics.cable.wrench.task import TaskWrenches
+from steeplejack.mechanics.cable.wrench.zonotope import WrenchSet, WrenchSetStatus, available_wrench_set
 
 __all__ = [
     "METHODS",

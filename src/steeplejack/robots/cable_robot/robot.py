@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.load import gravity_wrench
-from steeplejack.mechanics.cable.modes import planar_mass_matrix, spatial_mass_matrix
 from steeplejack.mechanics.cable.pulleys import pulley_runs
-from steeplejack.mechanics.cable.stiffness import cable_rates, planar_stiffness, spatial_stiffness, turn_about_z
+from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_mass_matrix
+from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness, turn_about_z
 from steeplejack.mechanics.cable.structure import (
     planar_lengths,
     planar_structure_matrix,
@@ -26,6 +25,7 @@ from steeplejack.mechanics.cable.structure import (
     spatial_structure_matrix,
     spatial_vectors,
 )
+from steeplejack.mechanics.cable.wrench.load import gravity_wrench
 from steeplejack.robots.cable_robot.parameters import AXES, Dimension, Parameters
 
 Array = NDArray[np.float64]

@@ -11,17 +11,18 @@ Range of validity: all four cables in one plane, taut and straight. Real stays a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.closure import in_wrench_closure, tension_factor
-from steeplejack.mechanics.cable.distribution import Method, TensionDistribution, distribute
-from steeplejack.mechanics.cable.forward import ForwardKinematics, forward_kinematics
-from steeplejack.mechanics.cable.grid import best_node
+from steeplejack.mechanics.cable.pose.every_pose import every_planar_pose
+from steeplejack.mechanics.cable.pose.forward import ForwardKinematics, forward_kinematics
+from steeplejack.mechanics.cable.region.grid import best_node
 from steeplejack.mechanics.cable.structure import planar_lengths, planar_structure_matrix
+from steeplejack.mechanics.cable.tension.distribution import Method, TensionDistribution, distribute
+from steeplejack.mechanics.cable.wrench.closure import in_wrench_closure, tension_factor
 from steeplejack.robots.squad.dynamics import planar_weight
 from steeplejack.robots.squad.parameters import Squad
 
@@ -111,7 +112,7 @@ class PlanarSquad:
     def pose(
         self, lengths: ArrayLike, start: ArrayLike | None = None, tolerance: float | None = None
     ) -> ForwardKinematics:
-        """Pose from cable lengths under load (Eq. 18).
+        """Pose from cable lengths under load (Eq. 18); unique where no other in the anchors' box explains them, proved.
 
         Args:
             lengths: (4,) [m].
@@ -128,7 +129,11 @@ class PlanarSquad:
         if measured.shape != (4,) or not np.all((measured > 0.0) & np.isfinite(measured)):
             raise InputError("lengths", f"{np.ravel(measured).tolist()}", "four positive finite lengths in metres")
         begin = best_node(self.anchors, self.attachments, ORIENTATIONS)[0] if start is None else start
-        return forward_kinematics(measured, self.anchors, self.attachments, begin, tolerance)
+        found = forward_kinematics(measured, self.anchors, self.attachments, begin, tolerance)
+        every = every_planar_pose(
+            measured, self.anchors, self.attachments, tolerance=tolerance or 1e-3 * float(measured.max())
+        )
+        return replace(found, unique=found.unique and every.unique)
 
 
 def stay_directions(anchors: ArrayLike, stays: Mapping[str, tuple[float, float]]) -> Array:

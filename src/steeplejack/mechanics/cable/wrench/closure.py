@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import hyperplanes, lanes, sectors
-from steeplejack.mechanics.cable.hyperplanes import TOLERANCE
 from steeplejack.mechanics.cable.structure import spatial_lengths, spatial_structure_matrix
+from steeplejack.mechanics.cable.wrench import hyperplanes, lanes, sectors
+from steeplejack.mechanics.cable.wrench.hyperplanes import TOLERANCE
 
 Array = NDArray[np.float64]
 

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import determinants
+from steeplejack.mechanics.cable.region import determinants
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -30,11 +30,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import potential
-from steeplejack.mechanics.cable.locked import LockedPlatform
-from steeplejack.mechanics.cable.modes import cross_matrix, natural_modes
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
-from steeplejack.mechanics.cable.stiffness import turn_about_z
+from steeplejack.mechanics.cable.rest import potential
+from steeplejack.mechanics.cable.rest.locked import LockedPlatform
+from steeplejack.mechanics.cable.rest.modes import cross_matrix, natural_modes
+from steeplejack.mechanics.cable.rest.stiffness import turn_about_z
 
 Array = NDArray[np.float64]
 

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.mechanics.cable.modes import cross_matrix
+from steeplejack.mechanics.cable.measure.slopes import Slope
 from steeplejack.mechanics.cable.pulleys import in_space
-from steeplejack.mechanics.cable.slopes import Slope
-from steeplejack.mechanics.cable.stiffness import PLANAR_ROWS, turn_about_z
+from steeplejack.mechanics.cable.rest.modes import cross_matrix
+from steeplejack.mechanics.cable.rest.stiffness import PLANAR_ROWS, turn_about_z
 from steeplejack.mechanics.cable.structure import spatial_vectors
 
 Array = NDArray[np.float64]

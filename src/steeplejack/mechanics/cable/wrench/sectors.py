@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.hyperplanes import INSIDE, equalise, factor_of, hyperplanes
+from steeplejack.mechanics.cable.wrench.hyperplanes import INSIDE, equalise, factor_of, hyperplanes
 
 Array = NDArray[np.float64]
 

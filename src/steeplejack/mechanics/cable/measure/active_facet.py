@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.hyperplanes import TOLERANCE, equalise, hyperplanes
+from steeplejack.mechanics.cable.wrench.hyperplanes import TOLERANCE, equalise, hyperplanes
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

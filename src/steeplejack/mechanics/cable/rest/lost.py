@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.equilibrium import (
+from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
+from steeplejack.mechanics.cable.rest.equilibrium import (
     SLACK,
     Equilibrium,
     Rest,
@@ -27,9 +28,8 @@ from steeplejack.mechanics.cable.equilibrium import (
     springs,
     start_of,
 )
-from steeplejack.mechanics.cable.locked import LockedPlatform
-from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
-from steeplejack.mechanics.cable.stiffness import turn_about_z
+from steeplejack.mechanics.cable.rest.locked import LockedPlatform
+from steeplejack.mechanics.cable.rest.stiffness import turn_about_z
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.feasibility import row_lengths
+from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
 
 Array = NDArray[np.float64]
 

@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import hyperplanes
-from steeplejack.mechanics.cable.closure import stacked
-from steeplejack.mechanics.cable.task import TaskWrenches
+from steeplejack.mechanics.cable.wrench import hyperplanes
+from steeplejack.mechanics.cable.wrench.closure import stacked
+from steeplejack.mechanics.cable.wrench.task import TaskWrenches
 
 Array = NDArray[np.float64]
 

@@ -27,9 +27,9 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.boundary import Rays, segments, subdivide
-from steeplejack.mechanics.cable.certified import CertifiedRegion, branch, search_box
-from steeplejack.mechanics.cable.clearance import polyline_distance, segment_distance
+from steeplejack.mechanics.cable.region.boundary import Rays, segments, subdivide
+from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
+from steeplejack.mechanics.cable.region.clearance import polyline_distance, segment_distance
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

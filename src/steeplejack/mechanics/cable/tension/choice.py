@@ -16,8 +16,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable import line, linear, projection
-from steeplejack.mechanics.cable.methods import (
+from steeplejack.mechanics.cable.tension import line, linear, projection
+from steeplejack.mechanics.cable.tension.methods import (
     BARYCENTRE,
     CLOSED_FORM,
     IMPROVED,
@@ -28,8 +28,8 @@ from steeplejack.mechanics.cable.methods import (
     P_NORM,
     QP,
 )
-from steeplejack.mechanics.cable.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
-from steeplejack.mechanics.cable.polygon import centroid, clip, upside_down
+from steeplejack.mechanics.cable.tension.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
+from steeplejack.mechanics.cable.tension.polygon import centroid, clip, upside_down
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

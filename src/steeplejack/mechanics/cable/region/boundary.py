@@ -25,10 +25,10 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import enclosure
-from steeplejack.mechanics.cable.certified import Label, arguments
-from steeplejack.mechanics.cable.determinants import CUBIC
-from steeplejack.mechanics.cable.facets import Facets
+from steeplejack.mechanics.cable.region import enclosure
+from steeplejack.mechanics.cable.region.certified import Label, arguments
+from steeplejack.mechanics.cable.region.determinants import CUBIC
+from steeplejack.mechanics.cable.region.facets import Facets
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

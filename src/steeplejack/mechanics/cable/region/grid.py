@@ -19,8 +19,8 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.mechanics.cable import line
 from steeplejack.mechanics.cable.structure import planar_arms
+from steeplejack.mechanics.cable.tension import line
 
 Array = NDArray[np.float64]
 

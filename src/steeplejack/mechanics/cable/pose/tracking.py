@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import misfit
+from steeplejack.mechanics.cable.pose import misfit
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
 
 Array = NDArray[np.float64]

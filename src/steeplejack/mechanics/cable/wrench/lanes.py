@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.sectors import NARROW, PARALLEL
+from steeplejack.mechanics.cable.wrench.sectors import NARROW, PARALLEL
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.mechanics.cable.tracking import TrackingStatus, nearest_turn, track_planar
+from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, nearest_turn, track_planar
 
 Array = NDArray[np.float64]
 

@@ -32,9 +32,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.active_facet import TIE, active_factor_each, active_margin_each
-from steeplejack.mechanics.cable.feasibility import row_lengths
-from steeplejack.mechanics.cable.nullspace import null_space
+from steeplejack.mechanics.cable.measure.active_facet import TIE, active_factor_each, active_margin_each
+from steeplejack.mechanics.cable.tension.nullspace import null_space
+from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.misfit import turn
+from steeplejack.mechanics.cable.pose.misfit import turn
 from steeplejack.mechanics.cable.pulleys import cable_run
 
 Array = NDArray[np.float64]

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import hyperplanes
-from steeplejack.mechanics.cable.closure import stacked
-from steeplejack.mechanics.cable.feasibility import row_lengths
+from steeplejack.mechanics.cable.wrench import hyperplanes
+from steeplejack.mechanics.cable.wrench.closure import stacked
+from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
 
 Array = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.linear import deepest, independent, room
-from steeplejack.mechanics.cable.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
+from steeplejack.mechanics.cable.tension.linear import deepest, independent, room
+from steeplejack.mechanics.cable.tension.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

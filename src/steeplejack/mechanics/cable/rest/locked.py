@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.pose.tracking import PLANAR, SPATIAL
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
-from steeplejack.mechanics.cable.tracking import PLANAR, SPATIAL
 
 Array = NDArray[np.float64]
 

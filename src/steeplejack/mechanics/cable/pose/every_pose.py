@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.global_search import search
+from steeplejack.mechanics.cable.pose.global_search import search
+from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, track_planar, track_spatial
 from steeplejack.mechanics.cable.pulleys import in_space
-from steeplejack.mechanics.cable.tracking import TrackingStatus, track_planar, track_spatial
 
 Array = NDArray[np.float64]
 

@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import choice
-from steeplejack.mechanics.cable.methods import METHODS, Method, MethodRecord
+from steeplejack.mechanics.cable.tension import choice
+from steeplejack.mechanics.cable.tension.methods import METHODS, Method, MethodRecord
 
 Array = NDArray[np.float64]
 

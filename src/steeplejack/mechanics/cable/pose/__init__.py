@@ -1,0 +1,1 @@
+"""From cable lengths to poses: tracking, forward kinematics, every pose of a box."""

@@ -1,0 +1,1 @@
+"""Which wrenches a pose can hold: wrench closure, the available wrench set, feasibility, each with its certificate."""
