@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -20,6 +21,14 @@ def _flags() -> Flags:
     return np.zeros(4, bool)
 
 
+@njit(cache=True)
+def _finite(values: Array) -> bool:
+    total = 0.0  # of finite numbers this size, finite; otherwise not
+    for value in values.flat:
+        total += value
+    return np.isfinite(total)
+
+
 class Measurement:
     """What the squad's sensors say: named rows of one array (7, 4), overwritten by the next call of ``measure``."""
 
@@ -32,6 +41,11 @@ class Measurement:
         self.s_rate: Array = self.values[4]  # [m/s]
         self.clock: Array = self.values[5]  # [rad] winch exits about the stays, inclinometers
         self.palm: Array = self.values[6]  # [N] palm preload
+
+    @property
+    def readable(self) -> bool:
+        """Whether every reading is a finite number."""
+        return _finite(self.values)
 
 
 @dataclass

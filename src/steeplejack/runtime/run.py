@@ -149,7 +149,7 @@ class Supervisor:
     def _step(self, state: State, setpoint: Setpoint, moving: Flags, driven: Flags) -> tuple[State, Measurement, str]:
         """Measure, control, check, command, advance; the breach in words, or nothing."""
         measured = self._plant.measure()
-        if not np.isfinite(measured.values).all():
+        if not measured.readable:
             # Nothing can be computed from such a reading; the squad stops on what it knew before.
             self._steps += 1
             return state, measured, BREACHES[NOT_A_NUMBER]

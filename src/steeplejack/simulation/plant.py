@@ -9,14 +9,12 @@ from steeplejack.robots.squad.anchorage import Stance
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 from steeplejack.runtime.plant import Command, Measurement, Truth
-from steeplejack.simulation import winch
+from steeplejack.simulation import bases, winch
 from steeplejack.simulation.engine import mujoco
 from steeplejack.simulation.scene import TIMESTEP, Rail, build, rail
 from steeplejack.simulation.sensors import Sensors, arc_length, sense
 
 Array = NDArray[np.float64]
-
-TURN_GAIN = 20.0  # [N m s/rad] of the drive that turns a base about its stay while its palms are open
 
 
 class SquadPlant:
@@ -77,7 +75,8 @@ class SquadPlant:
         # Views into MuJoCo's own arrays, taken once: the properties cost more than the arithmetic.
         self._qpos, self._qvel, self._inputs = data.qpos, data.qvel, data.ctrl
         self._lengths, self._rates = data.ten_length, data.ten_velocity
-        self.tensions = self._inputs[:4]  # the tendon actuators' inputs themselves
+        self.tensions, self._drives = self._inputs[:4], self._inputs[4:]  # the actuators' inputs themselves
+        self._strongest = np.array([squad.base.drive_force, squad.base.twist_torque])
         self.tensions[:] = tensions
         self.paid = data.ten_length.copy() / (1.0 + self.tensions / squad.cable.axial_stiffness)
         self.pay_rates = np.zeros(4)
@@ -112,14 +111,16 @@ class SquadPlant:
     def apply(self, command: Command) -> None:
         """Take over a command."""
         self._command = command
-        if (command.wheel_brake != self._wheel_brake).any():
-            self._wheel_brake = command.wheel_brake.copy()
-            self._set_friction()
 
     def advance(self, steps: int) -> None:
-        """Advance the physics."""
-        model, data, command = self.model, self.data, self._command
-        self._drive(command)
+        """Advance the physics; palms move at their own speed, and what they hold follows their preload."""
+        model, data, command, gripper = self.model, self.data, self._command, self.squad.gripper
+        most = gripper.force * steps * TIMESTEP / gripper.close_time
+        if bases.squeeze(self.palm, command.grip, gripper.force, most, command.wheel_brake, self._wheel_brake):
+            self._set_friction()
+        bases.drive(
+            self._drives, command.drive, command.turn, command.grip, self._qvel, self._turn_dof, self._strongest
+        )
         for _ in range(steps):
             mujoco.mj_step1(model, data)
             winch.advance(
@@ -128,27 +129,6 @@ class SquadPlant:
                 self.tensions, self._least, self._largest,
             )  # fmt: skip
             mujoco.mj_step2(model, data)
-        self._squeeze(command, steps * TIMESTEP)
-
-    def _drive(self, command: Command) -> None:
-        """Wheel tractions up to what the wheels hold, and the drive that turns a base whose palms are open."""
-        base, inputs = self.squad.base, self._inputs
-        if command.grip.all() and not command.drive.any():
-            inputs[4:] = 0.0
-            return
-        inputs[4:8] = np.clip(command.drive, -base.drive_force, base.drive_force)
-        slip = TURN_GAIN * (command.turn - self._qvel[self._turn_dof])
-        inputs[8:] = np.where(command.grip, 0.0, np.clip(slip, -base.twist_torque, base.twist_torque))
-
-    def _squeeze(self, command: Command, time: float) -> None:
-        """Palms close and open at their own speed; what they hold follows their preload."""
-        force = self.squad.gripper.force
-        for i in range(4):
-            goal = force if command.grip[i] else 0.0
-            if goal != self.palm[i]:
-                most = force * time / self.squad.gripper.close_time
-                self.palm[i] += min(max(goal - self.palm[i], -most), most)
-                self._set_friction()
 
     def measure(self) -> Measurement:
         """Read the sensors."""
