@@ -169,3 +169,9 @@ def test_segment_distance_against_sampling() -> None:
         exact = clearance.segment_distance(a, b, c, d)
         assert exact <= sampled + 1e-12
         assert sampled - exact < 0.02
+
+
+def test_a_cable_of_no_length_is_no_number_and_raises_nothing() -> None:
+    u, lengths = suspension.directions(np.zeros((4, 3)), np.zeros((4, 3)), np.zeros(3), np.eye(3))
+    assert not np.isfinite(u).any()
+    assert (lengths == 0.0).all()

@@ -36,7 +36,7 @@ def plane_matrix(u: Array, rotation: Array, attachments: Array) -> tuple[Array, 
 
 @njit(cache=True)
 def dexterity(matrix: Array) -> float:
-    """Least over largest singular value [1] of a matrix (4, 3) from :func:`plane_matrix`: 0 where its rank is lost."""
+    """Least over largest singular value [1] of a (4, 3) from :func:`plane_matrix`; rounding decides below 1e-7."""
     gram = np.zeros((3, 3))
     for i in range(4):
         for j in range(3):

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 DEGENERATE = 1e-9
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def directions(anchors: Array, attachments: Array, position: Array, rotation: Array) -> tuple[Array, Array]:
     """Unit vectors (m, 3) from attachment to anchor in the world's frame, and lengths (m,) [m]."""
     m = anchors.shape[0]
@@ -51,12 +51,12 @@ def directions(anchors: Array, attachments: Array, position: Array, rotation: Ar
     return u, lengths
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _determinant(a: Array, b: Array, c: Array) -> float:
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def force_family(u: Array, weight: Array) -> tuple[Array, Array, bool]:
     """All tensions of four cables that balance a force: t = particular + lambda * null.
 
@@ -93,7 +93,7 @@ def force_family(u: Array, weight: Array) -> tuple[Array, Array, bool]:
     return particular, null, True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def interval(particular: Array, null: Array, lower: Array, upper: Array) -> tuple[float, float, int, int]:
     """Lambda with ``lower <= particular + lambda * null <= upper``.
 
@@ -121,7 +121,7 @@ def interval(particular: Array, null: Array, lower: Array, upper: Array) -> tupl
     return low, high, at_low, at_high
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, NDArray[np.int64]]:
     """Largest tension of each cable under linear limits, and which limit sets it.
 
@@ -144,7 +144,7 @@ def upper_bounds(u: Array, pull: Array, upper: Array) -> tuple[Array, NDArray[np
     return bound, which
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: Array, guess: Array) -> Array:
     """The rotation of least potential under given cable forces: Wahba's problem, by Newton's method on the rotations.
 
@@ -205,14 +205,14 @@ def balanced_rotation(forces: Array, attachments: Array, weight: Array, centre: 
     return rotation
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def choose(particular: Array, null: Array, low: float, high: float, target: Array) -> Array:
     """Tensions of the family nearest to ``target`` [N] in norm, within the interval: unique, continuous in the pose."""
     value = np.sum((target - particular) * null)
     return particular + min(max(value, low), high) * null
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def hang(
     anchors: Array,
     attachments: Array,
@@ -270,7 +270,7 @@ def hang(
     return rotation, tensions, room
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _arm(rotation: Array, point: Array) -> tuple[float, float, float]:
     return (
         rotation[0, 0] * point[0] + rotation[0, 1] * point[1] + rotation[0, 2] * point[2],
@@ -279,7 +279,7 @@ def _arm(rotation: Array, point: Array) -> tuple[float, float, float]:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def residual(
     attachments: Array,
     weight: Array,
@@ -316,7 +316,7 @@ def residual(
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def stiffness(
     attachments: Array,
     weight: Array,
@@ -378,7 +378,7 @@ def stiffness(
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def least_pivot(matrix: Array) -> float:
     """Least pivot of L D L^T of a symmetric matrix (n, n): above 0 exactly where it is positive definite."""
     n = matrix.shape[0]
