@@ -174,3 +174,12 @@ def test_questions_a_route_cannot_answer_are_refused(table):
         closure_rays(limited, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0])
     with pytest.raises(InputError, match="tolerance"):
         certified_rays(limited, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.0)
+
+
+def test_rays_of_a_robot_singular_but_for_rounding_stay_undecided():
+    anchors = np.array([[4.0 * x, 3.0 * y, z] for z in (5.0, 0.0) for x, y in ((-1, 1), (1, 1), (1, -1), (-1, -1))])
+    attachments = np.outer([0.5, -0.4, 0.3, -0.5, 0.2, -0.1, 0.45, -0.3], [1.0, 2.0, 0.3])
+    facets = spatial_facets(anchors, attachments, TILTED)
+    start, end = [[-3.0, -2.0, 1.0], [-1.0, 1.0, 2.0]], [[3.0, 2.0, 4.0], [1.5, -1.0, 2.0]]
+    assert (closure_rays(facets, start, end).labels == Label.UNDECIDED).all()
+    assert (certified_rays(facets, start, end, 1e-2).labels == Label.UNDECIDED).all()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from published_robots import COGIRO, IPANEMA_2, KNTU, rotations
 from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
@@ -21,6 +22,7 @@ from steeplejack.mechanics.cable import (
 from steeplejack.mechanics.cable.region.certified import Label, certify, closure_box
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import planar_facets, spatial_facets
+from steeplejack.mechanics.cable.region.rounding import stored_rounding
 
 SAMPLES = 100_000
 WRENCH, WINDOW = np.array([0.0, -30.0 * 9.81, 0.0]), (10.0, 250.0)
@@ -343,3 +345,67 @@ def test_four_cables_through_one_point_agree_with_linear_programs(rng):
 def test_rotations_that_are_none_are_refused():
     with pytest.raises(InputError, match="rotation"):
         spatial_facets(COGIRO.anchors, COGIRO.attachments, 1.1 * np.eye(3))
+
+
+LINE = np.array([0.5, -0.4, 0.3, -0.5, 0.2, -0.1, 0.45, -0.3])
+CORNERS = np.array([[4.0 * x, 3.0 * y, z] for z in (5.0, 0.0) for x, y in ((-1, 1), (1, 1), (1, -1), (-1, -1))])
+LOAD = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -100.0])
+
+
+@pytest.mark.parametrize("limited", [(), (LOAD, 1.0, 500.0)])
+@pytest.mark.parametrize("seed", range(4))
+def test_attachments_on_one_line_are_refused_at_every_rotation(limited, seed):
+    rotation = Rotation.random(random_state=seed).as_matrix()
+    with pytest.raises(InputError, match="singular"):
+        spatial_facets(CORNERS, np.outer(LINE, [1.0, 0.0, 0.0]), rotation, *limited)
+    with pytest.raises(InputError, match="singular"):
+        spatial_facets(CORNERS, np.full((8, 3), [0.1, 0.2, -0.3]), rotation, *limited)
+
+
+@pytest.mark.parametrize("limited", [(), (LOAD, 1.0, 500.0)])
+@pytest.mark.parametrize("where", ["attachments", "anchors"])
+def test_points_on_one_line_but_for_their_rounding_are_never_inside(limited, where, rng):
+    """No direction but an axis can be stored without rounding; what that leaves of the determinants decides nothing."""
+    for seed in range(3):
+        anchors, attachments = CORNERS, rng.uniform(-0.4, 0.4, (8, 3))
+        if where == "attachments":
+            attachments = np.outer(LINE, [1.0, 2.0, 0.3])
+        else:
+            anchors = np.outer(8.0 * LINE, [0.3, 1.0, 0.7]) + [0.1, 0.2, 0.3]
+        facets = spatial_facets(anchors, attachments, Rotation.random(random_state=seed).as_matrix(), *limited)
+        region = certify(facets, [[-3.0, 3.0], [-2.0, 2.0], [1.0, 4.0]], 0.1, 1000)
+        assert region.inner == 0.0
+
+
+@pytest.mark.parametrize("limited", [False, True])
+@pytest.mark.parametrize("kind", ["coplanar", "concurrent"])
+def test_coplanar_and_concurrent_attachments_agree_with_linear_programs(rng, kind, limited):
+    attachments = rng.uniform(-0.6, 0.6, (8, 3))
+    if kind == "coplanar":
+        attachments = attachments[:, :2] @ Rotation.random(random_state=7).as_matrix()[:2]
+    else:
+        attachments[:3] = attachments[0]
+    rotation = Rotation.random(random_state=3).as_matrix()
+    facets = spatial_facets(CORNERS, attachments, rotation, *((LOAD, 1.0, 500.0) if limited else ()))
+    region = certify(facets, [[-3.0, 3.0], [-2.0, 2.0], [1.0, 4.0]], 0.3, 8000)
+    poses, labels, _ = samples(region, rng, 100)
+    sure = labels != Label.UNDECIDED
+    assert sure.any()
+    for pose, label in zip(poses[sure], labels[sure], strict=True):
+        structure = spatial_structure_matrix(CORNERS, attachments, pose, rotation)
+        held = holds(structure, LOAD, 1.0, 500.0) if limited else closed(structure)
+        assert held == (label == Label.INSIDE)
+
+
+def test_stored_rounding_bounds_what_a_last_place_changes(rng):
+    anchors, attachments = IPANEMA_2.anchors, IPANEMA_2.attachments
+    box = np.array([[-1.0, 1.0], [-1.0, 1.0], [1.0, 3.0]])
+    near = spatial_facets(anchors, attachments, TILTED, LOAD, 1.0, 500.0)
+    low, high = ((end - near.origin) / near.units for end in box.T)
+    bound = stored_rounding(near, low, high)
+    moved = spatial_facets(anchors, attachments * (1.0 + 2.0**-52), TILTED, LOAD, 1.0, 500.0)
+    monomials = (rng.uniform(low, high, (200, 1, 3)) ** np.array(CUBIC)).prod(axis=-1)
+    both = [np.concatenate((f.volumes[:, :, 0], f.loads[0, :, :, 0])) @ monomials.T for f in (near, moved)]
+    sizes = np.abs(both[0]).max(axis=1)
+    assert (np.abs(both[1] - both[0]).max(axis=1) <= bound + 1e-15 * sizes).all()
+    assert (bound < 1e-9 * sizes.max()).all()

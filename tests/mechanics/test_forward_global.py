@@ -97,6 +97,29 @@ def test_a_mirror_twin_is_found():
     np.testing.assert_allclose(answer.pose[order], [pose, pose * [1, -1, -1]], atol=1e-9)
 
 
+def test_a_platform_that_hangs_below_its_anchors_is_found():
+    anchors, attachments = [[0, 0], [4, 0.5], [2, 1.0], [1, 0.8]], [[-0.3, 0], [0.3, 0], [0.2, 0.2], [-0.2, 0.2]]
+    pose = np.array([1.5, -2.0, 0.1])
+    answer = every_planar_pose(planar_lengths(anchors, attachments, pose), anchors, attachments)
+    assert answer.unique
+    np.testing.assert_allclose(answer.pose, [pose], atol=1e-9)
+
+
+def test_the_default_box_holds_every_explanation(table, rng):
+    for pose in rng.uniform([-3.0, -3.0, -3.0], [3.0, 3.0, 3.0], (20, 3)):
+        lengths = planar_lengths(*table, pose)
+        answer = every_planar_pose(lengths, *table, tolerance=1e-3, budget=1)
+        low, high = answer.box
+        assert np.all((low[:2] < pose[:2]) & (pose[:2] < high[:2]))
+        assert high[2] - low[2] == pytest.approx(2.0 * np.pi)
+
+
+def test_reaches_without_a_point_in_common_prove_that_there_is_no_pose():
+    answer = every_planar_pose([0.1] * 3, [[0, 0], [4, 0], [2, 3]], [[-0.1, 0], [0.1, 0], [0, 0.1]])
+    assert answer.complete and len(answer.position) == 0 and answer.examined == 0
+    assert answer.box[0, 0] > answer.box[1, 0]
+
+
 def test_lengths_no_pose_explains_are_proved_so(table):
     lengths = planar_lengths(*table, [-0.1, 0.45, 0.87]) + np.array([0.02, -0.02, 0.02, 0.0])
     answer = every_planar_pose(lengths, *table)
@@ -161,5 +184,8 @@ def test_bad_input_is_refused(table):
         every_planar_pose(lengths, *table, low=[0, 0, 1], high=[1, 1, 0])
     with pytest.raises(InputError, match="anchors"):
         every_planar_pose(lengths[:2], table[0][:2], table[1][:2])
+    for none in (2.0 * np.eye(3), np.diag([1.0, 1.0, -1.0]), np.zeros((3, 3))):
+        with pytest.raises(InputError, match="rotation"):
+            every_spatial_pose(np.ones(8), ANCHORS, ATTACHMENTS, np.zeros(3), none, 0.3, 0.3)
     with pytest.raises(InputError, match="right angle"):
         every_spatial_pose(np.ones(8), ANCHORS, ATTACHMENTS, np.zeros(3), np.eye(3), 1.0, 2.0)

@@ -146,3 +146,6 @@ def test_shapes_that_do_not_fit_are_refused():
         track_spatial(np.ones(8), ANCHORS, ATTACHMENTS, np.zeros(3), np.eye(3), radii=0.1)
     with pytest.raises(InputError, match="finite"):
         track_spatial(np.ones(8), ANCHORS * np.nan, ATTACHMENTS, np.zeros(3), np.eye(3))
+    for none in (2.0 * np.eye(3), np.diag([1.0, 1.0, -1.0]), np.eye(2)):
+        with pytest.raises(InputError, match="rotation"):
+            track_spatial(np.ones(8), ANCHORS, ATTACHMENTS, np.zeros(3), none)

@@ -159,6 +159,20 @@ def test_a_cable_along_a_face_is_free():
     assert lengths.tolist() == [0.0]
 
 
+def test_a_cable_along_a_face_is_free_at_every_rotation(rng):
+    """Turned, the cable leaves the face by no more than rounding, which is no way into the platform."""
+    normals, offsets = box_faces([-1.0] * 3, [1.0] * 3)
+    turned = rotations(rng.normal(size=(200, 3)))
+    anchors = turned @ [5.0, 0.0, 1.0]
+    for rotation, anchor in zip(turned, anchors, strict=True):
+        lengths = platform_overlap([anchor], [[0.0, 0.0, 1.0]], np.zeros(3), rotation, normals, offsets)
+        assert lengths.tolist() == [0.0]
+    inside = platform_overlap(
+        [turned[0] @ [5.0, 0.0, 0.5]], [[0.0, 0.0, 0.5]], np.zeros(3), turned[0], normals, offsets
+    )
+    assert inside == pytest.approx([1.0], abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("changes", "where"),
     [
@@ -167,6 +181,9 @@ def test_a_cable_along_a_face_is_free():
         ({"attachments": [[0.0, 0.0, 0.0]] * 2}, "cables"),
         ({"stays": [[[0.0, 0.0, 0.0]]]}, "stays"),
         ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": np.nan}, "surroundings"),
+        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": -0.1}, "radii"),
+        ({"rotation": 2.0 * np.eye(3)}, "rotation"),
+        ({"rotation": np.diag([1.0, 1.0, -1.0])}, "rotation"),
     ],
 )
 def test_surroundings_that_mean_nothing_are_refused(changes, where):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pulleys import pulley_runs
 from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness
 from steeplejack.mechanics.cable.rest.suspension import directions
@@ -165,3 +166,30 @@ def test_hostile_geometry_has_no_stiffness(where, rng):
     found = spatial_stiffness(both, machine.attachments, position, rotation, machine.tensions, 1e3)
     assert np.isfinite(found[0]).all()
     assert np.isnan(found[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"attachments": np.zeros((4, 2))}, "attachments"),
+        ({"attachments": np.zeros((5, 3))}, "anchors"),
+        ({"anchors": np.zeros((4, 2))}, "anchors"),
+        ({"position": np.zeros(2)}, "position"),
+        ({"rotation": np.eye(2)}, "rotation"),
+        ({"tensions": np.ones(5)}, "tensions"),
+        ({"rates": np.ones(3)}, "rates"),
+        ({"weight": np.zeros(2)}, "weight"),
+        ({"centre": np.zeros(4)}, "centre"),
+        ({"axes": np.ones((3, 3)), "radii": 0.1}, "axes"),
+        ({"axes": np.ones((4, 3)), "radii": np.ones(3)}, "radii"),
+        ({"position": np.zeros((2, 3)), "tensions": np.ones((3, 4))}, "poses"),
+    ],
+)
+def test_shapes_that_do_not_fit_are_refused(changes, where):
+    given = {
+        "anchors": np.eye(4, 3), "attachments": np.zeros((4, 3)), "position": np.ones(3), "rotation": np.eye(3),
+        "tensions": np.ones(4), "rates": 1.0,
+    }  # fmt: skip
+    with pytest.raises(InputError) as error:
+        spatial_stiffness(**(given | changes))
+    assert error.value.where == where

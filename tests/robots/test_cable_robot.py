@@ -232,3 +232,17 @@ def test_a_file_that_is_not_text(tmp_path):
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"robot.toml"):
         load_cable_robot(path)
+
+
+@pytest.mark.parametrize("content", [("a = " + "[" * 5000).encode(), "a = 1".encode("utf-32")])
+def test_a_file_no_reader_can_take(tmp_path, content):
+    path = tmp_path / "robot.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"robot.toml") as caught:
+        load_cable_robot(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_path_that_is_none():
+    with pytest.raises(InputError, match="null"):
+        load_cable_robot("robot\0.toml")

@@ -213,3 +213,25 @@ def test_missing_files_sets_and_cables(planar, tmp_path):
     (folder / "Plate_cables.xml").unlink()
     with pytest.raises(InputError, match=r"Plate_cables.xml: No such file"):
         load_caspr(folder)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b'<?xml version="1.0" encoding="foo"?><bodies_system/>', "unknown encoding"),
+        (b'<?xml version="1.0" encoding="utf-32"?><bodies_system/>', "multi-byte"),
+        (b"<a>" * 5000, "not XML"),
+        ('<?xml version="1.0"?><bodies_system/>'.encode("utf-32"), "not XML"),
+    ],
+)
+def test_files_no_reader_can_take(planar, content, message):
+    folder = planar()
+    (folder / "Plate_bodies.xml").write_bytes(content)
+    with pytest.raises(InputError, match=message) as caught:
+        load_caspr(folder)
+    assert caught.value.where.endswith("Plate_bodies.xml")
+
+
+def test_a_path_that_is_none():
+    with pytest.raises(InputError):
+        load_caspr("model\0")

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
+from steeplejack.errors import InputError
 from steeplejack.spatial import from_quaternion, from_vector, nearest_turn, to_quaternion, to_vector
-from steeplejack.spatial.rotation import turned
+from steeplejack.spatial.rotation import rotation_matrix, turned
 
 Array = NDArray[np.float64]
 
@@ -134,3 +135,22 @@ def test_nearest_turn_follows_a_full_turn() -> None:
     around = np.array([to_quaternion(from_vector(a * axis)) for a in np.linspace(0.0, 2.0 * np.pi, 200)])
     assert np.max(np.linalg.norm(np.diff(around, axis=0), axis=1)) > 1.0
     assert np.max(np.linalg.norm(np.diff(nearest_turn(around), axis=0), axis=1)) < 0.02
+
+
+def test_rotations_pass_the_check_unchanged() -> None:
+    several = np.array([from_vector(vector) for vector in np.linspace([-3.0, 0.1, 0.2], [2.0, -1.0, 3.0], 20)])
+    np.testing.assert_array_equal(rotation_matrix(several, "rotation"), several)
+    np.testing.assert_array_equal(rotation_matrix(several[0].tolist(), "rotation"), several[0])
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        2.0 * np.eye(3), np.zeros((3, 3)), np.diag([1.0, 1.0, -1.0]), np.eye(3) + 1e-8, np.full((3, 3), np.nan),
+        np.full((3, 3), 1e300), np.eye(2), 1.0, "north", [[1.0], [1.0, 2.0]], np.stack((np.eye(3), 1.1 * np.eye(3))),
+    ],
+)  # fmt: skip
+def test_what_is_no_rotation_is_refused(value: object) -> None:
+    with pytest.raises(InputError) as error:
+        rotation_matrix(value, "start")  # pyright: ignore[reportArgumentType]
+    assert error.value.where == "start"

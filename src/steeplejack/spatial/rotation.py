@@ -4,9 +4,44 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from steeplejack.errors import InputError
 
 Array = NDArray[np.float64]
+
+ORTHONORMAL = 1e-9
+"""How far from orthonormal a matrix may be and still count as a rotation [1]."""
+
+
+def rotation_matrix(value: ArrayLike, where: str) -> Array:
+    """Check that something is a rotation matrix, or an array of them.
+
+    Args:
+        value: (..., 3, 3).
+        where: What to call it in a complaint.
+
+    Returns:
+        A contiguous copy, (..., 3, 3).
+
+    Raises:
+        InputError: Not of that shape, not finite, not orthonormal to `ORTHONORMAL`, or a mirror image.
+    """
+    try:
+        matrix = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise InputError(where, "not an array of numbers", "a rotation matrix (3, 3)") from None
+    if matrix.shape[-2:] != (3, 3):
+        raise InputError(where, f"shape {matrix.shape}", "a rotation matrix (3, 3)")
+    if not np.isfinite(matrix).all():
+        raise InputError(where, "a number that is not finite", "a rotation matrix (3, 3)")
+    if not np.all(np.abs(matrix) <= 1.0 + ORTHONORMAL):
+        raise InputError(where, "not orthonormal", "a rotation matrix (3, 3)")
+    if np.abs(matrix @ np.swapaxes(matrix, -1, -2) - np.eye(3)).max(initial=0.0) > ORTHONORMAL:
+        raise InputError(where, "not orthonormal", "a rotation matrix (3, 3)")
+    if not np.all(np.linalg.det(matrix) > 0.0):
+        raise InputError(where, "a mirror image", "a rotation matrix (3, 3)")
+    return matrix
 
 
 @njit(cache=True)

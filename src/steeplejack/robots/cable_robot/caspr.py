@@ -78,7 +78,7 @@ class _Node:
             element = ElementTree.fromstring(file.read_bytes())
         except OSError as error:
             raise InputError(str(file), error.strerror or "cannot be read", "a CASPR model file") from None
-        except ElementTree.ParseError as error:
+        except (ElementTree.ParseError, LookupError, ValueError, RecursionError) as error:
             raise InputError(str(file), f"not XML: {error}", "a CASPR model file") from None
         node = cls(file, element)
         if element.tag != tag:

@@ -67,8 +67,10 @@ def read_parameters(robot: str | Path) -> Parameters:
         except OSError as error:
             what = error.strerror or "cannot be read"
             raise InputError(str(robot), what, f"a TOML robot file or one of {', '.join(BUILT_IN)}") from None
+        except ValueError as error:  # a path with a NUL in it
+            raise InputError(repr(str(robot)), str(error), "the path of a TOML robot file") from None
     try:
         return msgspec.toml.decode(text, type=Parameters)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:
         what = str(error).replace("\n", " ")
         raise InputError(str(robot), what, "see the built-in cogiro.toml for every field") from None

@@ -112,7 +112,7 @@ class PlanarSquad:
     def pose(
         self, lengths: ArrayLike, start: ArrayLike | None = None, tolerance: float | None = None
     ) -> ForwardKinematics:
-        """Pose from cable lengths under load (Eq. 18); unique where no other in the anchors' box explains them, proved.
+        """Pose from cable lengths under load (Eq. 18); unique where no other at all explains them, proved.
 
         Args:
             lengths: (4,) [m].

@@ -5,7 +5,9 @@ A pose *explains* measured lengths if ``|l(x) - l_o| <= tolerance`` over all cab
 reported one, in which no two poses share their lengths; how far another explanation could lie from the reported pose
 inside that box is reported too. What could not be decided is returned, and the search is then not `complete`.
 
-Range of validity: straight cables of known length under load. Planar robots are searched over any box and all angles;
+Range of validity: straight cables of known length under load. Planar robots are searched over any box and all angles,
+by default over one that holds every pose there is: a cable of length l from an anchor A to an attachment b keeps the
+platform within ``l + |b| + tolerance`` of A, whatever the angle, and so in the intersection of those boxes;
 spatial ones over a stated box about a nominal pose, angles within a right angle of it. At a singular pose lengths are
 unique in no box around it, so the search cannot complete: an honest answer, as two solutions meet there.
 """
@@ -21,6 +23,7 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pose.global_search import search
 from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, track_planar, track_spatial
 from steeplejack.mechanics.cable.pulleys import in_space
+from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 
@@ -48,6 +51,8 @@ class EveryPose:
         complete: Whether it is proved that no pose of the box outside these boxes explains the lengths.
         undecided: Parts of the box left open, as many as are kept, (u, 2, n).
         examined: Boxes looked at.
+        box: Least and greatest unknowns of the box searched, (2, n) [m, rad]; where a least one exceeds the greatest,
+            the reaches of the cables have no point in common.
     """
 
     position: Array
@@ -58,6 +63,7 @@ class EveryPose:
     complete: bool
     undecided: Array
     examined: int
+    box: Array
 
     @property
     def pose(self) -> Array:
@@ -67,7 +73,7 @@ class EveryPose:
 
     @property
     def unique(self) -> bool:
-        """Whether exactly one pose explains the lengths, proved."""
+        """Whether exactly one pose of `box` explains the lengths, proved."""
         return self.complete and len(self.position) == 1
 
 
@@ -87,7 +93,8 @@ def every_planar_pose(
         lengths: Under load, (m,) with m >= 3 [m].
         anchors: (m, 2) [m].
         attachments: In the platform frame, (m, 2) [m].
-        low: Least ``(x, y, phi)`` of the search; the anchors' box and all angles by default, (3,) [m, m, rad].
+        low: Least ``(x, y, phi)`` of the search, (3,) [m, m, rad]; by default, with ``high``, a box that holds every
+            pose that explains the lengths, and all angles.
         high: Greatest, (3,) [m, m, rad].
         tolerance: Residual up to which a pose explains the lengths [m]; a millionth of the longest by default.
         budget: Boxes to examine at most.
@@ -99,8 +106,11 @@ def every_planar_pose(
         InputError: A shape does not fit or a number is not usable.
     """
     measured, fixed, local, enough = _checked(lengths, anchors, attachments, 2, 3, tolerance)
-    least = np.array([*fixed[:, :2].min(axis=0), SEED_ANGLE - np.pi]) if low is None else np.array(low, np.float64)
-    most = np.array([*fixed[:, :2].max(axis=0), SEED_ANGLE + np.pi]) if high is None else np.array(high, np.float64)
+    around, beyond = _reachable(measured, fixed[:, :2], local[:, :2], enough)
+    if low is None and high is None and not np.all(around < beyond):
+        return _none(around, beyond)
+    least = around if low is None else np.array(low, np.float64)
+    most = beyond if high is None else np.array(high, np.float64)
     _check_box(least, most, 3)
     grid = [a + (b - a) * (np.arange(k) + 0.5) / k for a, b, k in zip(least, most, (4, 4, 8), strict=True)]
     starts = np.stack([axis.ravel() for axis in np.meshgrid(*grid)], axis=-1)
@@ -145,9 +155,11 @@ def every_spatial_pose(
         InputError: A shape does not fit or a number is not usable.
     """
     measured, fixed, local, enough = _checked(lengths, anchors, attachments, 3, 6, tolerance)
-    place, turn = np.asarray(position, dtype=np.float64), np.ascontiguousarray(rotation, dtype=np.float64)
-    if place.shape != (3,) or turn.shape != (3, 3) or not np.isfinite(place.sum() + turn.sum()):
-        raise InputError("position and rotation", "not usable", "finite, (3,) in metres and (3, 3)")
+    place, turn = np.asarray(position, dtype=np.float64), rotation_matrix(rotation, "rotation")
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise InputError("position", f"shape {place.shape}", "a finite point (3,) in metres")
+    if turn.shape != (3, 3):
+        raise InputError("rotation", f"shape {turn.shape}", "one rotation matrix (3, 3)")
     half = np.concatenate(
         [np.broadcast_to(np.asarray(value, dtype=np.float64), (3,)) for value in (half_widths, half_angles)]
     )
@@ -218,6 +230,29 @@ def _searched(
         left == 0,
         undecided[: min(left, MOST)][:, :, unknowns] * unit,
         examined,
+        np.stack((low, high)),
+    )
+
+
+def _reachable(lengths: Array, anchors: Array, attachments: Array, tolerance: float) -> tuple[Array, Array]:
+    """Least and greatest ``(x, y, phi)`` of a box that holds every planar pose that explains lengths, rounded out."""
+    reach = ((lengths + np.hypot(*attachments.T) + tolerance) * (1.0 + 2.0**-50))[:, None] + 2.0**-50 * np.abs(anchors)
+    low, high = (anchors - reach).max(axis=0), (anchors + reach).min(axis=0)
+    return np.append(low, SEED_ANGLE - np.pi), np.append(high, SEED_ANGLE + np.pi)
+
+
+def _none(low: Array, high: Array) -> EveryPose:
+    """No pose, proved without a search."""
+    return EveryPose(
+        position=np.empty((0, 3)),
+        rotation=np.empty((0, 3, 3)),
+        residual=np.empty(0),
+        boxes=np.empty((0, 2, 3)),
+        spread=np.empty(0),
+        complete=True,
+        undecided=np.empty((0, 2, 3)),
+        examined=0,
+        box=np.stack((low, high)),
     )
 
 

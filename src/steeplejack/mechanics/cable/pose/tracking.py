@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pose import misfit
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
+from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 
@@ -165,11 +166,10 @@ def track_spatial(
         Poses with residual, iterations and status.
 
     Raises:
-        InputError: Shapes do not fit, or there are fewer than six cables.
+        InputError: Shapes do not fit, a start is no rotation, or there are fewer than six cables.
     """
-    return SpatialTrack(
-        *_track(lengths, anchors, attachments, position, rotation, radii, axes, follow, tolerance, SPATIAL)
-    )
+    turn = rotation_matrix(rotation, "rotation")
+    return SpatialTrack(*_track(lengths, anchors, attachments, position, turn, radii, axes, follow, tolerance, SPATIAL))
 
 
 def nearest_turn(angle: ArrayLike, reference: ArrayLike) -> Array:

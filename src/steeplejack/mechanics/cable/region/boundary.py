@@ -33,6 +33,8 @@ from steeplejack.mechanics.cable.region.facets import Facets
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+OUTSIDE, INSIDE, UNDECIDED = enclosure.OUTSIDE, enclosure.INSIDE, enclosure.UNDECIDED
+
 OPEN = 256
 """Most undecided pieces of one certified ray at a time; beyond, it runs along the boundary and is left undecided."""
 
@@ -80,7 +82,7 @@ def closure_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike) -> Rays:
         ends: (k, 3) or (3,); if planar, each segment moves or turns, not both, and turns by at most pi.
 
     Returns:
-        The pieces, inside or outside.
+        The pieces, inside or outside; undecided where it takes a determinant that is nothing but rounding all along.
 
     Raises:
         InputError: A question with tension limits, segments that move and turn at once, or are not finite.
@@ -96,13 +98,16 @@ def closure_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike) -> Rays:
     shares, span = _nodes(low, high, degree, turning)
     poses = low[:, None] + shares[..., None] * (high - low)[:, None]
     values = _values(facets, poses)
+    both = np.concatenate((low, high))
+    slack = arguments(facets, both.min(axis=0), both.max(axis=0))[4]
+    silent = (np.abs(values) <= slack).all(axis=1) & (values != 0.0).any(axis=1)
     if turning:
         values *= (1.0 + (np.linspace(-1.0, 1.0, degree + 1) * span[:, None])[..., None] ** 2) ** 2
     vandermonde = np.vander(np.linspace(-1.0, 1.0, degree + 1), increasing=True)
     polynomials = np.ascontiguousarray(np.einsum("dn,knt->ktd", np.linalg.inv(vandermonde), values))
     places = np.full((len(first), degree * len(facets.volumes) + 2), np.nan)
     labels = np.full((len(first), places.shape[1] - 1), -1)
-    _cut_all(polynomials, span, turning, facets.volume_of, facets.signs, places, labels)
+    _cut_all(polynomials, silent, span, turning, facets.volume_of, facets.signs, places, labels)
     used = int((labels >= 0).sum(axis=1).max())
     return Rays(first, last, places[:, : used + 1], labels[:, :used])
 
@@ -218,16 +223,17 @@ def _values(facets: Facets, poses: Array) -> Array:
 
 @njit(cache=True, error_model="numpy")
 def _cut_all(
-    polynomials: Array, span: Array, turning: bool, volume_of: Integers, signs: Array, places: Array, labels: Integers
-) -> None:
-    """Pieces of every ray; polynomials (k, t, degree + 1) over [-1, 1]."""
+    polynomials: Array, silent: NDArray[np.bool_], span: Array, turning: bool,
+    volume_of: Integers, signs: Array, places: Array, labels: Integers,
+) -> None:  # fmt: skip
+    """Pieces of every ray; polynomials (k, t, degree + 1) over [-1, 1], those without a sure sign silent (k, t)."""
     rays, count, size = polynomials.shape
     found, extrema, derived = np.empty(count * (size - 1) + 2), np.empty(size + 1), np.empty((size, size))
     for ray in range(rays):
         total = 1
         found[0] = -1.0
         for t in range(count):
-            many = _roots(polynomials[ray, t], derived, extrema)
+            many = 0 if silent[ray, t] else _roots(polynomials[ray, t], derived, extrema)
             for k in range(many):
                 if -1.0 < extrema[k] < 1.0:
                     place = total
@@ -243,7 +249,7 @@ def _cut_all(
             low, high = found[k], found[k + 1]
             if high <= low:
                 continue
-            label = _label(polynomials[ray], 0.5 * (low + high), volume_of, signs)
+            label = _label(polynomials[ray], silent[ray], 0.5 * (low + high), volume_of, signs)
             if pieces == 0 or labels[ray, pieces - 1] != label:
                 labels[ray, pieces] = label
                 pieces += 1
@@ -259,17 +265,24 @@ def _share(place: float, span: float, turning: bool) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _label(polynomials: Array, place: float, volume_of: Integers, signs: Array) -> int:
+def _label(polynomials: Array, silent: NDArray[np.bool_], place: float, volume_of: Integers, signs: Array) -> int:
     """Whether all hyperplanes have columns on both sides."""
+    label = INSIDE
     for s in range(volume_of.shape[0]):
-        positive = negative = False
+        positive = negative = doubtful = False
         for a in range(volume_of.shape[1]):
+            if silent[volume_of[s, a]]:
+                doubtful = True
+                continue
             value = signs[s, a] * _horner(polynomials[volume_of[s, a]], polynomials.shape[1] - 1, place)
             positive |= value > 0.0
             negative |= value < 0.0
-        if not (positive and negative):
-            return 0
-    return 1
+        if positive and negative:
+            continue
+        if not doubtful:
+            return OUTSIDE
+        label = UNDECIDED
+    return label
 
 
 @njit(cache=True, error_model="numpy")

@@ -23,6 +23,7 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
+from steeplejack.mechanics.cable.region.rounding import stored_rounding
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -199,6 +200,8 @@ def arguments(facets: Facets, low: Array, high: Array) -> Question:
     x, y, z = np.maximum(np.abs(low), np.abs(high))
     sizes = [1.0, x, y, x * x, x * y, y * y] if facets.planar else [x**i * y**j * z**k for i, j, k in CUBIC]
     slack = enclosure.ROUNDING * (np.abs(polynomials).sum(axis=2) @ np.array(sizes))
+    if not facets.planar:
+        slack += stored_rounding(facets, low, high)
     if facets.planar and low[2] == high[2]:
         phi = low[2]
         turns = np.array([1.0, np.cos(phi), np.sin(phi), np.cos(2.0 * phi), np.sin(2.0 * phi)])

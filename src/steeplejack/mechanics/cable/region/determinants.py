@@ -28,6 +28,7 @@ from steeplejack.errors import InputError
 Array = NDArray[np.float64]
 Exact = NDArray[Any]  # of Python integers
 Points = list[list[int]]
+Rationals = list[list[Fraction]]
 
 CUBIC = tuple(e for degree in range(4) for e in itertools.product(range(3, -1, -1), repeat=3) if sum(e) == degree)
 """Exponents of x, y, z of the twenty monomials of a cubic, in the order of its coefficients."""
@@ -39,23 +40,50 @@ QUADRATIC_DEGREES = (0, 1, 1, 2, 2, 2)
 """Degree in x and y of the six monomials ``1, x, y, x^2, x y, y^2``, in the order of the coefficients."""
 
 
-def integers(*groups: tuple[ArrayLike, ArrayLike]) -> tuple[list[Points], int]:
-    """Differences of doubles as integers over one power of two.
+def differences(values: ArrayLike, origin: ArrayLike = 0.0) -> Rationals:
+    """Differences of doubles, exact.
 
     Args:
-        groups: Pairs ``(values (k, d), origin (d,) or a scalar)``, finite.
+        values: (k, d), finite.
+        origin: (d,) or a scalar, finite.
 
     Returns:
-        For each group ``(value - origin) 2^shift``, and the least ``shift`` that makes all of them whole.
+        ``value - origin``, (k, d).
     """
-    exact: list[list[list[Fraction]]] = []
-    for values, origin in groups:
-        rows = np.atleast_2d(np.asarray(values, dtype=np.float64))
-        start = np.broadcast_to(np.asarray(origin, dtype=np.float64), rows.shape[-1:])
-        exact.append([[Fraction(v) - Fraction(o) for v, o in zip(row, start, strict=True)] for row in rows.tolist()])
-    bits = [value.denominator.bit_length() - 1 for group in exact for row in group for value in row]
+    rows = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    start = np.broadcast_to(np.asarray(origin, dtype=np.float64), rows.shape[-1:])
+    return [[Fraction(v) - Fraction(o) for v, o in zip(row, start.tolist(), strict=True)] for row in rows.tolist()]
+
+
+def turned(points: ArrayLike, rotation: ArrayLike) -> Rationals:
+    """Points turned without rounding, by the matrix with its entries as multiples of 2^-53.
+
+    A linear map of the points as stored: what lies on one line or in one plane stays so, exactly.
+
+    Args:
+        points: (k, 3), finite.
+        rotation: (3, 3).
+
+    Returns:
+        ``rotation @ point``, (k, 3).
+    """
+    matrix = differences(np.rint(np.asarray(rotation, dtype=np.float64) * 2.0**53) / 2.0**53)
+    local = differences(points)
+    return [[sum((r * b for r, b in zip(row, point, strict=True)), Fraction()) for row in matrix] for point in local]
+
+
+def integers(*groups: Rationals) -> tuple[list[Points], int]:
+    """Fractions over powers of two as integers over one of them.
+
+    Args:
+        groups: Each (k, d).
+
+    Returns:
+        For each group ``value 2^shift``, and the least ``shift`` that makes all of them whole.
+    """
+    bits = [value.denominator.bit_length() - 1 for group in groups for row in group for value in row]
     shift = max(bits, default=0)
-    return [[[int(value * (1 << shift)) for value in row] for row in group] for group in exact], shift
+    return [[[int(value * (1 << shift)) for value in row] for row in group] for group in groups], shift
 
 
 def planar_volumes(roots: Points, arms: Points, shift: int, triples: Sequence[Sequence[int]]) -> Array:

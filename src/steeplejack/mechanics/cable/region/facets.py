@@ -19,7 +19,10 @@ is never decided for feasibility. At poses of lower rank inside a feasible regio
 closed), though an arbitrarily small disturbance may not be resisted.
 
 What counts as given, exactly: anchors, limits and wrenches as stored; planar attachments as stored, turned by phi;
-spatial arms as the rounded product of rotation and attachment. Lengths and forces are in units of a power of two near
+spatial arms as the product, without rounding, of attachments as stored and the rotation with its entries as multiples
+of 2^-53. So attachments on one line are on one line at every orientation. In space every bound also allows for the
+rounding with which anchors, attachments and rotation were stored (`rounding`), so determinants that would vanish but
+for it are never decided. Lengths and forces are in units of a power of two near
 the largest, and positions count from the anchors' middle, so units and origin do not matter.
 """
 
@@ -34,6 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region import determinants
+from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -57,6 +61,7 @@ class Facets:
         signs: And its sign, (s, m - n + 1).
         lower: Least tensions over the force unit, (m,); none for wrench closure.
         upper: Greatest tensions over the force unit, (m,); none for wrench closure.
+        wrenches: Scaled, (k, 3) or (k, 6); none for wrench closure.
     """
 
     planar: bool
@@ -72,6 +77,7 @@ class Facets:
     signs: Array
     lower: Array
     upper: Array
+    wrenches: Array
 
     @property
     def limited(self) -> bool:
@@ -112,16 +118,16 @@ def planar_facets(
     sets = _Sets.of(fixed, local, 3, limits is not None)
     geometry = _Geometry.of(fixed, local)
     volumes = determinants.planar_volumes(geometry.roots, geometry.offsets, geometry.shift, sets.wholes)
-    loads = np.empty((0, len(sets.subsets), 6, 5))
+    loads, given = np.empty((0, len(sets.subsets), 6, 5)), np.empty((0, 3))
     if limits is not None:
-        scaled, wrench_shift = _wrenches(wrenches, 3, (2,), limits, geometry)
+        given, scaled, wrench_shift = _wrenches(wrenches, 3, (2,), limits, geometry)
         loads = np.array(
             [
                 determinants.planar_loads(*geometry.exact, sets.subsets, [fx, fy, mz], wrench_shift)
                 for fx, fy, mz in scaled
             ]
         )
-    return _facets(True, geometry, sets, volumes, loads, limits)
+    return _facets(True, geometry, sets, volumes, loads, limits, given)
 
 
 def spatial_facets(
@@ -149,25 +155,19 @@ def spatial_facets(
     Raises:
         InputError: Shapes or numbers that cannot be meant, or a robot that is singular at every position.
     """
-    fixed, local, turned = (
-        _points("anchors", anchors, 3),
-        _points("attachments", attachments, 3),
-        _points("rotation", rotation, 3),
-    )
-    if turned.shape != (3, 3) or np.abs(turned @ turned.T - np.eye(3)).max() > 1e-9:
-        raise InputError("rotation", "not orthonormal", "a rotation matrix (3, 3)")
-    arms = local @ turned.T
+    fixed, local = _points("anchors", anchors, 3), _points("attachments", attachments, 3)
+    turned = rotation_matrix(rotation, "rotation")
     limits = _limits(lower, upper, len(fixed))
-    sets = _Sets.of(fixed, arms, 6, limits is not None)
-    geometry = _Geometry.of(fixed, arms)
+    sets = _Sets.of(fixed, local, 6, limits is not None)
+    geometry = _Geometry.of(fixed, local, turned)
     volumes = determinants.spatial_volumes(geometry.roots, geometry.offsets, geometry.shift, sets.wholes)
-    loads = np.empty((0, len(sets.subsets), 20, 1))
+    loads, given = np.empty((0, len(sets.subsets), 20, 1)), np.empty((0, 6))
     if limits is not None:
-        scaled, wrench_shift = _wrenches(wrenches, 6, (0, 1, 2), limits, geometry)
+        given, scaled, wrench_shift = _wrenches(wrenches, 6, (0, 1, 2), limits, geometry)
         loads = np.array(
             [determinants.spatial_loads(*geometry.exact, sets.subsets, load, wrench_shift) for load in scaled]
         )
-    return _facets(False, geometry, sets, volumes, loads, limits)
+    return _facets(False, geometry, sets, volumes, loads, limits, given)
 
 
 @dataclass(frozen=True)
@@ -179,11 +179,11 @@ class _Sets:
     others: list[list[int]]
 
     @staticmethod
-    def of(anchors: Array, arms: Array, rows: int, limited: bool) -> _Sets:
+    def of(anchors: Array, attachments: Array, rows: int, limited: bool) -> _Sets:
         count, least = len(anchors), rows + (0 if limited else 1)
-        if len(arms) != count or count < least:
+        if len(attachments) != count or count < least:
             raise InputError(
-                "cables", f"{count} anchors and {len(arms)} attachments", f"as many of each, {least} at least"
+                "cables", f"{count} anchors and {len(attachments)} attachments", f"as many of each, {least} at least"
             )
         subsets = list(itertools.combinations(range(count), rows - 1))
         others = [[i for i in range(count) if i not in subset] for subset in subsets]
@@ -203,15 +203,19 @@ class _Geometry:
     shift: int
 
     @staticmethod
-    def of(anchors: Array, arms: Array) -> _Geometry:
+    def of(anchors: Array, attachments: Array, rotation: Array | None = None) -> _Geometry:
         origin = anchors.min(axis=0) + 0.5 * np.ptp(anchors, axis=0)
-        reach = max(float(np.abs(anchors - origin).max()), float(np.abs(arms).max()))
+        reach = max(float(np.abs(anchors - origin).max()), float(np.abs(attachments).max()))
         if not 0.0 < reach < math.inf:
             raise InputError("anchors", f"within {reach:g} m of each other", "apart, at finite distance")
         length = _power(reach)
-        (roots, offsets), shift = determinants.integers((anchors / length, origin / length), (arms / length, 0.0))
-        scaled = (anchors - origin) / length
-        return _Geometry(length, origin, scaled, arms / length, roots, offsets, shift)
+        local = attachments / length
+        exact = determinants.differences(local) if rotation is None else determinants.turned(local, rotation)
+        (roots, offsets), shift = determinants.integers(
+            determinants.differences(anchors / length, origin / length), exact
+        )
+        arms = local if rotation is None else np.ascontiguousarray(local @ rotation.T)
+        return _Geometry(length, origin, (anchors - origin) / length, arms, roots, offsets, shift)
 
     @property
     def exact(self) -> tuple[determinants.Points, determinants.Points, int]:
@@ -220,7 +224,13 @@ class _Geometry:
 
 
 def _facets(
-    planar: bool, geometry: _Geometry, sets: _Sets, volumes: Array, loads: Array, limits: tuple[Array, Array] | None
+    planar: bool,
+    geometry: _Geometry,
+    sets: _Sets,
+    volumes: Array,
+    loads: Array,
+    limits: tuple[Array, Array] | None,
+    wrenches: Array,
 ) -> Facets:
     """Leave out what spans no hyperplane, and put the tables together."""
     if not volumes.any():
@@ -249,6 +259,7 @@ def _facets(
         signs=signs[spans],
         lower=lower,
         upper=upper,
+        wrenches=wrenches,
     )
 
 
@@ -279,8 +290,11 @@ def _limits(lower: ArrayLike | None, upper: ArrayLike | None, cables: int) -> tu
 
 def _wrenches(
     wrenches: ArrayLike | None, rows: int, moments: tuple[int, ...], limits: tuple[Array, Array], geometry: _Geometry
-) -> tuple[list[list[int]], int]:
-    """Wrenches in scaled units as integers: forces over ``2^shift``, moments over ``2^(shift + geometry.shift)``."""
+) -> tuple[Array, list[list[int]], int]:
+    """Wrenches in scaled units, as doubles and as integers, and the shift.
+
+    Integer forces are over ``2^shift``, moments over ``2^(shift + geometry.shift)``.
+    """
     loads = np.atleast_2d(np.zeros(rows) if wrenches is None else np.asarray(wrenches, dtype=np.float64))
     if loads.ndim != 2 or loads.shape[1] != rows or not len(loads):
         raise InputError("wrenches", f"shape {loads.shape}", f"shape (k, {rows})")
@@ -288,8 +302,8 @@ def _wrenches(
         raise InputError("wrenches", "a number that is not finite", "finite numbers")
     scaled = loads / _power(float(np.abs(limits).max()))
     scaled[:, moments] /= geometry.length
-    (exact,), shift = determinants.integers((scaled, 0.0))
-    return [[v << geometry.shift if i in moments else v for i, v in enumerate(load)] for load in exact], shift
+    (exact,), shift = determinants.integers(determinants.differences(scaled))
+    return scaled, [[v << geometry.shift if i in moments else v for i, v in enumerate(load)] for load in exact], shift
 
 
 def _power(size: float) -> float:

@@ -30,6 +30,7 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region.boundary import Rays, segments, subdivide
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
 from steeplejack.mechanics.cable.region.clearance import polyline_distance, segment_distance
+from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -39,6 +40,9 @@ PARALLEL = 2.0**-22
 
 ON_SURFACE = 1e-9
 """Depth in a platform that counts as its surface, over its size [1]."""
+
+ALONG = 1e-9
+"""Sine of the angle to a face below which a cable is parallel to it [1]."""
 
 OUTSIDE, INSIDE, UNDECIDED = range(3)
 
@@ -86,18 +90,20 @@ class Surroundings:
             The surroundings.
 
         Raises:
-            InputError: Shapes that do not fit, or numbers that are not finite.
+            InputError: Shapes that do not fit, numbers that are not finite, radii below zero, or no rotation.
         """
         fixed, local = (np.array(value, dtype=np.float64, order="C") for value in (anchors, attachments))
-        turned = np.asarray(rotation, dtype=np.float64)
+        turned = rotation_matrix(rotation, "rotation")
         axes = np.zeros((0, 2, 3)) if stays is None else np.array(stays, dtype=np.float64, order="C")
         if fixed.ndim != 2 or fixed.shape[1:] != (3,) or local.shape != fixed.shape or turned.shape != (3, 3):
             raise InputError("cables", f"anchors {fixed.shape} and attachments {local.shape}", "(m, 3) each")
         if axes.ndim != 3 or axes.shape[2] != 3 or axes.shape[1] < 2:
             raise InputError("stays", f"shape {axes.shape}", "(k, n, 3) with two points at least")
         sizes = np.array(np.broadcast_to(np.asarray(radii, dtype=np.float64), (len(axes),)))
-        if not all(np.isfinite(value).all() for value in (fixed, local, turned, axes, sizes)):
+        if not all(np.isfinite(value).all() for value in (fixed, local, axes, sizes)):
             raise InputError("surroundings", "a number that is not finite", "finite numbers")
+        if (sizes < 0.0).any():
+            raise InputError("radii", f"{float(sizes.min()):g} m", "zero or more")
         apart = [
             pair
             for pair in itertools.combinations(range(len(fixed)), 2)
@@ -254,6 +260,8 @@ def platform_overlap(
 ) -> Array:
     """Length of every cable inside a convex platform ``{x : normal . x <= offset}`` (Cyrus and Beck, 1978).
 
+    A cable within `ALONG` of a face's direction counts as parallel to it, and one along a face as outside.
+
     Args:
         anchors: (m, 3) [m].
         attachments: In the platform frame, (m, 3) [m].
@@ -273,6 +281,7 @@ def platform_overlap(
     size = ON_SURFACE * float(np.abs(np.asarray(offsets, dtype=np.float64)).max())
     depth = np.where(np.abs(depth) <= size, 0.0, depth)
     rate = cables @ faces.T
+    rate = np.where(np.abs(rate) <= ALONG * np.linalg.norm(cables, axis=-1, keepdims=True), 0.0, rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         place = depth / rate
     enter = np.where(rate < 0.0, place, -np.inf).max(axis=-1, initial=0.0)

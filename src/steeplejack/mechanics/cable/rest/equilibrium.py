@@ -35,6 +35,7 @@ from steeplejack.mechanics.cable.rest import potential
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
 from steeplejack.mechanics.cable.rest.modes import cross_matrix, natural_modes
 from steeplejack.mechanics.cable.rest.stiffness import turn_about_z
+from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 
@@ -201,9 +202,9 @@ def start_of(platform: LockedPlatform, position: ArrayLike, rotation: ArrayLike)
         turn = turn_about_z(turn)
     if place.shape != (2 if platform.in_plane else 3,) or not np.isfinite(place).all():
         raise InputError("position", f"shape {place.shape}", "a finite point of the platform's dimension in metres")
-    if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-6):
+    if turn.ndim != 2:
         raise InputError("rotation", f"shape {turn.shape}", "a rotation matrix (3, 3), or an angle in the plane")
-    return in_space(place), np.ascontiguousarray(turn)
+    return in_space(place), rotation_matrix(turn, "rotation")
 
 
 def springs(platform: LockedPlatform, unstressed: Array, axial_stiffness: Array) -> Array:

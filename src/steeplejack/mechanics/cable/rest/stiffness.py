@@ -28,6 +28,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pulleys import cable_run, in_space, pulley_radii, unit_axes
 
 Array = NDArray[np.float64]
@@ -81,6 +82,9 @@ def planar_stiffness(
 
     Returns:
         Symmetric, (..., 3, 3) [N/m, N, N m].
+
+    Raises:
+        InputError: A shape that does not fit.
     """
     where = np.asarray(pose, dtype=np.float64)
     full = spatial_stiffness(
@@ -126,27 +130,46 @@ def spatial_stiffness(
 
     Returns:
         Symmetric, (..., 6, 6): N m in the rotations, N/m in the displacements, N between them.
+
+    Raises:
+        InputError: A shape that does not fit.
     """
     fixed, place, turn, pull, rate = (
         np.asarray(value, dtype=np.float64) for value in (anchors, position, rotation, tensions, rates)
     )
-    local = np.array(attachments, dtype=np.float64)
-    m = local.shape[0]
-    shape = np.broadcast_shapes(
-        fixed.shape[:-2], place.shape[:-1], turn.shape[:-2], pull.shape[:-1], rate.shape[:-1] if rate.ndim else ()
-    )
+    local, load, middle = (np.array(value, dtype=np.float64) for value in (attachments, weight, centre))
+    if local.ndim != 2 or local.shape[1] != 3:
+        raise InputError("attachments", f"shape {local.shape}", "(m, 3)")
+    m = len(local)
+    swivels, wheels = unit_axes(axes, m), np.asarray(0.0 if radii is None else radii, dtype=np.float64)
+    _check("anchors", fixed, (m, 3))
+    _check("position", place, (3,))
+    _check("rotation", turn, (3, 3))
+    _check("tensions", pull, (m,))
+    for where, value, tail in (("rates", rate, (m,)), ("radii", wheels, (m,))):
+        if value.ndim:
+            _check(where, value, tail)
+    for where, value, whole in (("axes", swivels, (m, 3)), ("weight", load, (3,)), ("centre", middle, (3,))):
+        if value.shape != whole:
+            raise InputError(where, f"shape {value.shape}", f"{whole}")
+    try:
+        shape = np.broadcast_shapes(
+            fixed.shape[:-2], place.shape[:-1], turn.shape[:-2], pull.shape[:-1], rate.shape[:-1] if rate.ndim else ()
+        )
+    except ValueError:
+        raise InputError("poses", "leading axes that do not fit each other", "axes that broadcast") from None
     out = np.empty((math.prod(shape), 6, 6))
     _stiffness_each(
         _stack(fixed, shape, (m, 3)),
-        unit_axes(axes, m),
-        pulley_radii(radii, m),
+        swivels,
+        pulley_radii(wheels, m),
         local,
         _stack(place, shape, (3,)),
         _stack(turn, shape, (3, 3)),
         _stack(pull, shape, (m,)),
         _stack(rate, shape, (m,)),
-        np.array(weight, dtype=np.float64),
-        np.array(centre, dtype=np.float64),
+        load,
+        middle,
         out,
     )
     return out.reshape(*shape, 6, 6)
@@ -165,6 +188,12 @@ def turn_about_z(phi: ArrayLike) -> Array:
     out[..., 0, 1] = -out[..., 1, 0]
     out[..., 2, 2] = 1.0
     return out
+
+
+def _check(where: str, values: Array, tail: tuple[int, ...]) -> None:
+    """Refuse values whose last axes are not these."""
+    if values.shape[-len(tail) :] != tail:
+        raise InputError(where, f"shape {values.shape}", f"(..., {', '.join(map(str, tail))})")
 
 
 def _stack(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
