@@ -13,6 +13,7 @@ from steeplejack.mechanics.cable import (
     FeasibilityStatus,
     TaskWrenches,
     capacity_margin,
+    certificate_gap,
     characteristic_length,
     gravity_wrench,
     planar_structure_matrix,
@@ -254,3 +255,22 @@ def test_hostile_robots_never_get_a_wrong_answer(rng):
                 assert np.linalg.matrix_rank(structure) == n
                 if (high > low).all():
                     assert oracles.window_margin(structure, load / moments, low, high) > -oracles.BAND
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 4), (3, 4), (3, 5), (6, 7), (6, 8)])
+def test_certificates_against_unbounded_tensions_pass_the_checker(n, m, rng):
+    structures, wrenches = rng.normal(size=(600, n, m)), rng.normal(size=(600, n))
+    structures[:300, 0] = np.abs(structures[:300, 0])
+    wrenches[:300, 0] = np.abs(wrenches[:300, 0])
+    structures[300:, :, 1] = structures[300:, :, 0]  # coincident cables: components that are zero but for rounding
+    upper = np.full(m, np.inf)
+    for limit in (np.inf, 5.0):
+        upper[0] = limit
+        answer = wrench_feasible(structures, 1.0, upper, wrenches)
+        refused = answer.status == FeasibilityStatus.INFEASIBLE
+        assert np.count_nonzero(refused) > 200
+        gap = certificate_gap(answer.certificate, structures, wrenches, 1.0, upper)
+        assert (gap[refused] > 0.0).all()
+        assert np.isnan(gap[answer.feasible]).all()
+    assert certificate_gap([1.0, 0.0], [[-1.0, 1.0], [0.0, 1.0]], [5.0, 0.0], 0.0, np.inf) == -np.inf
+    assert certificate_gap([1.0, 0.0], [[0.0, 1.0], [1.0, 1.0]], [5.0, 0.0], 0.0, np.inf) == 5.0

@@ -133,3 +133,13 @@ def test_best_node_of_a_robot_that_holds_nothing():
     pose, factor = best_node(square, np.zeros((4, 2)), [0.3])
     assert factor == 0.0
     assert np.abs(pose[:2]).max() < 0.1
+
+
+def test_a_far_anchor_or_a_far_row_does_not_flatten_the_others():
+    anchors = np.array([[-3.0, -2.0], [3.0, -2.2], [2.5, 2.6], [-2.4e4, 2.2e4]])
+    attachments = np.array([[-0.5, -0.4], [0.5, -0.5], [0.6, 0.5], [-0.5, 0.55]])
+    general = tension_factor(planar_structure_matrix(anchors, attachments, [0.0, 0.0, 0.05]))
+    assert general == pytest.approx(0.2369, abs=1e-4)
+    for ys in ([0.0], [0.0, 1e6]):
+        grid = tension_factor_grid(anchors, attachments, 0.05, [0.0], ys)
+        assert grid[0, 0] == pytest.approx(general, rel=1e-7)

@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import certificate_gap, null_space, tension_polygon
+from steeplejack.mechanics.cable import Status, certificate_gap, distribute, null_space, tension_polygon
 from steeplejack.mechanics.cable.tension.polygon import centroid
 
 
@@ -170,3 +170,21 @@ def test_centroids_of_shapes_one_can_do_by_hand(points, expected):
 def test_other_redundancies_are_refused(shape):
     with pytest.raises(InputError, match="two cables too many"):
         tension_polygon(np.zeros(shape), np.zeros(shape[0]), 0.0, 1.0)
+
+
+def test_a_cable_without_length_leaves_no_polygon_as_it_leaves_no_distribution():
+    structure = np.array([[1.0, 1.0, 0.0, 1.0], [0.0, 0.0, 0.0, 2.0]])
+    answer = tension_polygon(structure, [-1.0, -1.0], 0.0, 10.0)
+    assert answer.count == 0
+    assert np.isnan(answer.certificate).all()
+    assert distribute(structure, [-1.0, -1.0], 0.0, 10.0).status == Status.UNDEFINED
+
+
+def test_a_wide_window_does_not_soften_the_sides_of_others():
+    structure, wrench = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]]), np.array([0.0, -1.0])
+    assert tension_polygon(structure, wrench, 0.0, [1e9, 1e9, 1.0, 1.0]).count > 0
+    for upper in (0.9, 1.0 - 1e-4):
+        asked = structure, wrench, 0.0, [1e9, 1e9, upper, 1.0]
+        empty = tension_polygon(*asked)
+        assert empty.count == 0
+        assert certificate_gap(empty.certificate, *asked) > 0.0

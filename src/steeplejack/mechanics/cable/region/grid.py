@@ -25,7 +25,7 @@ from steeplejack.mechanics.cable.tension import line
 Array = NDArray[np.float64]
 
 LEAST_FACTOR = 1e-9  # [1] tension factor that counts as zero, as in `closure`
-LEAST_VOLUME = 1e-12  # [1] cofactor that counts as zero, over the longest arm times the cube of the longest cable
+LEAST_VOLUME = 1e-12  # [1] cofactor that counts as zero, over the longest arm times its cables' lengths
 
 
 def grid_nodes(low: float, high: float, step: float) -> Array:
@@ -65,7 +65,8 @@ def tension_factor_grid(
     middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
     roots[:, 0] -= middle
     factors = np.empty((y.size, x.size)) if out is None else out
-    planar_tension_factors(roots, arms, x - middle, y, _flat(roots, arms, x - middle, y), factors)
+    thin = LEAST_VOLUME**2 * float((arms**2).sum(axis=1).max())
+    planar_tension_factors(roots, arms, x - middle, y, thin, factors)
     return factors
 
 
@@ -146,15 +147,6 @@ def best_node(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, nodes
     return best, most
 
 
-def _flat(roots: Array, arms: Array, xs: Array, ys: Array) -> float:
-    """``(N l)^2`` that counts as zero: a cofactor rounds relative to the arm times the cube of the cable length."""
-    if not xs.size or not ys.size:
-        return 0.0
-    farthest = [np.abs(roots[:, k, None] - nodes[[0, -1]]).max() for k, nodes in enumerate((xs, ys))]
-    longest = math.hypot(*farthest)
-    return float(LEAST_VOLUME**2 * (arms**2).sum(axis=1).max() * longest**8)
-
-
 def _own(values: ArrayLike) -> Array:
     """A contiguous copy: views and read-only arrays would each compile the kernels anew."""
     return np.array(values, dtype=np.float64, order="C")
@@ -166,7 +158,7 @@ def _each(values: ArrayLike) -> Array:
 
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract", "nsz", "nnan", "ninf"})
-def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, flat: float, factors: Array) -> None:
+def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, thin: float, factors: Array) -> None:
     """Write the tension factor of every node; the kernel of `tension_factor_grid`.
 
     Args:
@@ -174,14 +166,20 @@ def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, flat
         arms: ``b_i``, (4, 2) [m].
         xs: (nx,) [m].
         ys: (ny,) [m].
-        flat: ``(N l)^2`` that counts as zero [m8].
+        thin: ``(N l)^2`` that counts as zero over the squared greatest length of each of the four cables in the row: a
+            cofactor rounds relative to the arm times the lengths of its own three cables [m2].
         factors: Written, (ny, nx) [1].
     """
     (x1, t1), (x2, t2), (x3, t3), (x4, t4) = roots[0], roots[1], roots[2], roots[3]
     (bx1, by1), (bx2, by2), (bx3, by3), (bx4, by4) = arms[0], arms[1], arms[2], arms[3]
+    if xs.size == 0:
+        return
+    left, right = xs.min(), xs.max()
     for j in prange(ys.size):
         y1, y2, y3, y4 = t1 - ys[j], t2 - ys[j], t3 - ys[j], t4 - ys[j]
         w1, w2, w3, w4 = y1 * y1, y2 * y2, y3 * y3, y4 * y4
+        flat = thin * _far(x1, left, right, w1) * _far(x2, left, right, w2)
+        flat *= _far(x3, left, right, w3) * _far(x4, left, right, w4)
         p1, q1, r1 = _minor(x2, y2, bx2, by2, x3, y3, bx3, by3, x4, y4, bx4, by4)
         p2, q2, r2 = _minor(x1, y1, bx1, by1, x4, y4, bx4, by4, x3, y3, bx3, by3)
         p3, q3, r3 = _minor(x1, y1, bx1, by1, x2, y2, bx2, by2, x4, y4, bx4, by4)
@@ -196,6 +194,12 @@ def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, flat
             least, most = min(min(s1, s2), min(s3, s4)), max(max(s1, s2), max(s3, s4))
             small, large = max(least, -most), max(most, -least)
             factors[j, i] = math.sqrt(small / large) if small > LEAST_FACTOR**2 * large + flat else 0.0
+
+
+@njit(cache=True)
+def _far(x: float, left: float, right: float, height: float) -> float:
+    """Greatest squared length of a cable along a row [m2]; ``height`` is its squared part across."""
+    return max((x - left) * (x - left), (x - right) * (x - right)) + height
 
 
 @njit(cache=True, fastmath={"contract", "nsz"})

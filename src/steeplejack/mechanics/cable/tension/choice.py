@@ -4,8 +4,12 @@ For each question: factorise the structure matrix, find how deep in the tension 
 ``f = start + N lambda`` go, and, where they go inside, choose ``lambda`` by the method asked for. Nothing here depends
 on which null basis ``N`` came out: every method is stated in tensions.
 
-Methods that work on the surface of the feasible set get a box widened by rounding, and where even that set is too thin
-for them, the deepest tensions stand: they are known to be inside. So a complete method never misses.
+A bound counts as kept where it is passed by no more than a billionth of the cable's own half-window, or of the largest
+force that must act if that is less, and the rounding of the numbers that meet there. Each bound has its own such
+allowance: a wide window makes no other bound soft.
+
+Methods that work on the surface of the feasible set get a box widened within those allowances, and where even that set
+is too thin for them, the deepest tensions stand: they are known to be inside. So a complete method never misses.
 """
 
 from __future__ import annotations
@@ -36,6 +40,7 @@ Index = NDArray[np.int64]
 
 FEASIBLE, INFEASIBLE, SINGULAR, UNDEFINED, MISSED = range(5)
 TOLERANCE = line.TOLERANCE
+LOST = 1e-13  # [1] rounding of a tension, relative to the numbers that make it up
 ROUNDING = 1e-12  # [1] widening of a box without depth, relative to the largest tension met
 
 
@@ -84,18 +89,27 @@ def distribute_each(
         null_columns(left, tau, basis)
         least_norm(left, tau, scale, order, wrenches[k], start)
         depth = _depth(start, basis, lower, upper, chosen, work, space, active, place, proof)
-        half = _half(lower, upper)
-        margin[k] = depth / half
+        margin[k] = depth / _half(lower, upper)
         _copy(place, x)
-        if margin[k] < -TOLERANCE:
+        inside = depth >= 0.0
+        if -_soften(start, basis, x, lower, upper, least, most) <= depth < 0.0:
+            inside = _depth(start, basis, least, most, chosen, work, space, active, place, proof) >= 0.0
+            if inside:
+                _copy(place, x)
+        if not inside:
             status[k] = INFEASIBLE
             if not upside_down(lower, upper):
                 carry_back(left, tau, scale, order, proof, certificate[k])
         else:
             status[k] = FEASIBLE
+            if depth >= 0.0:
+                _widen(lower, upper, ROUNDING * _size(start, lower, upper) - depth, least, most)
             if r == 1:
                 null = basis.reshape(m)
-                low, high = line.interval(null, start, lower, upper, min(depth, 0.0))
+                if depth >= 0.0:
+                    low, high = line.interval(null, start, lower, upper, 0.0)
+                else:
+                    low, high = line.interval(null, start, least, most, 0.0)
                 interval[k, 0], interval[k, 1] = low, high
                 x[0] = _on_line(method, reference, cost, start, null, lower, upper, depth, low, high)
             if r == 2 and method == BARYCENTRE:
@@ -103,14 +117,19 @@ def distribute_each(
                 if corners > 0:
                     x[0], x[1] = centroid(points[0], corners)
             elif r > 1 or r == 1 and (method == P_NORM or method == IMPROVED):
-                _widen(start, lower, upper, depth, least, most)
                 _choose(
                     method, power, reference, cost, start, basis, lower, upper, least, most, weight, depth, chosen,
                     space, active, place, x,
                 )  # fmt: skip
         _tensions(start, basis, x, tensions[k])
-        if status[k] == FEASIBLE and _excess(tensions[k], lower, upper) > 2.0 * TOLERANCE * half:
-            status[k] = MISSED
+        if status[k] == FEASIBLE:
+            _soften(start, basis, x, lower, upper, least, most)
+            if r > 0 and method != CLOSED_FORM and method != IMPROVED and _outside(tensions[k], least, most):
+                projection.project(start, basis, least, most, x, space, active)
+                _tensions(start, basis, x, tensions[k])
+            _soften(start, basis, x, least, most, least, most)
+            if _outside(tensions[k], least, most):
+                status[k] = MISSED
 
 
 @njit(cache=True, error_model="numpy")
@@ -159,7 +178,7 @@ def _choose(
         if not found or method == LP:
             return
         for i in range(m):
-            most[i] = min(most[i], place[r] + ROUNDING * _size(start, lower, upper))
+            most[i] = min(most[i], place[r] + ROUNDING * _size(start, place, place))
     for i in range(m):
         weight[i] = cost[i] if method == QP else 1.0
     for j in range(r):
@@ -176,7 +195,7 @@ def _choose(
         _copy(place, x)
         return
     if method == MAX_MARGIN:
-        inset = depth - ROUNDING * _size(start, lower, upper)
+        inset = depth - ROUNDING * (abs(depth) + _size(start, x, x))
         for i in range(m):
             least[i], most[i] = lower[i] + inset, upper[i] - inset
     slope = weight[m : m + r]
@@ -249,16 +268,40 @@ def _size(start: Array, lower: Array, upper: Array) -> float:
     """Largest force that enters [N]; rounding is measured against it."""
     size = 0.0
     for i in range(start.size):
-        size = max(size, max(abs(start[i]), max(abs(lower[i]), abs(upper[i]))))
+        size = max(size, abs(start[i]))
+    for i in range(lower.size):
+        size = max(size, max(abs(lower[i]), abs(upper[i])))
     return float(size)
 
 
 @njit(cache=True, error_model="numpy")
-def _widen(start: Array, lower: Array, upper: Array, depth: float, least: Array, most: Array) -> None:
-    """Write bounds that leave the feasible set some thickness, if only that of rounding."""
-    slack = max(ROUNDING * _size(start, lower, upper) - depth, 0.0)
+def _soften(start: Array, basis: Array, x: Array, lower: Array, upper: Array, least: Array, most: Array) -> float:
+    """Write the bounds moved outwards by what may be passed of each [N]; the greatest of those allowances.
+
+    The bounds may be overwritten in place.
+    """
+    size, load, greatest = 0.0, 0.0, 0.0
     for i in range(start.size):
-        least[i], most[i] = lower[i] - slack, upper[i] + slack
+        load = max(load, abs(start[i]))
+        size = max(size, min(abs(lower[i]), abs(upper[i])))
+    size = max(size, load)
+    for i in range(start.size):
+        own = load
+        for j in range(x.size):
+            own += abs(basis[i, j] * x[j])
+        share = TOLERANCE * max(min(0.5 * (upper[i] - lower[i]), size), 0.0)
+        under, over = share + LOST * (own + abs(lower[i])), share + LOST * (own + abs(upper[i]))
+        greatest = max(greatest, max(under, over))
+        least[i], most[i] = lower[i] - under, upper[i] + over
+    return float(greatest)
+
+
+@njit(cache=True, error_model="numpy")
+def _widen(lower: Array, upper: Array, slack: float, least: Array, most: Array) -> None:
+    """Draw softened bounds in to what leaves the feasible set some thickness, if only that of rounding."""
+    slack = max(slack, 0.0)
+    for i in range(lower.size):
+        least[i], most[i] = max(least[i], lower[i] - slack), min(most[i], upper[i] + slack)
 
 
 @njit(cache=True, error_model="numpy")
@@ -309,9 +352,9 @@ def _tensions(start: Array, basis: Array, x: Array, tensions: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _excess(tensions: Array, lower: Array, upper: Array) -> float:
-    """How far the worst tension is outside the box [N]."""
-    worst = 0.0
+def _outside(tensions: Array, least: Array, most: Array) -> bool:
+    """Whether a tension passes a bound."""
     for i in range(tensions.size):
-        worst = max(worst, max(lower[i] - tensions[i], tensions[i] - upper[i]))
-    return worst
+        if tensions[i] < least[i] or tensions[i] > most[i]:
+            return True
+    return False

@@ -9,6 +9,8 @@ plane or more. `METHODS` says which of those inside the box each method chooses 
 of the box, 0 its surface; -0.1 means every bound would have to give way by a tenth of that half-width. It belongs to
 the question and not to the method: the chosen tensions may be on the surface where the margin is 0.5.
 
+*Feasible* does not depend on that width: each bound may be passed by what `choice` allows for its own numbers.
+
 *Certificate*: that distance is set by at most r + 1 bounds. Their weights, carried back through the structure matrix,
 are a vector ``z`` with ``z . (structure @ f + wrench) >= gap > 0`` for every ``f`` in the box (Farkas): a motion of the
 platform along which tensions and load do positive work whatever is tried. `certificate_gap` checks it, however it was
@@ -29,6 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.tension import choice
+from steeplejack.mechanics.cable.tension.line import TOLERANCE
 from steeplejack.mechanics.cable.tension.methods import METHODS, Method, MethodRecord
 
 Array = NDArray[np.float64]
@@ -163,19 +166,25 @@ def certificate_gap(
 ) -> Array:
     """Least value of ``z . (structure @ f + wrench)`` over the box; positive proves that no ``f`` in it balances.
 
+    A component of ``structure^T z`` of at most ``TOLERANCE`` times the largest is taken for the rounding of a zero
+    where the bound it reaches for is infinite, as in `wrench_feasible`; against finite bounds every component counts.
+
     Args:
         certificate: ``z``, (..., n).
         structure: (..., n, m).
         wrench: (..., n).
-        lower: (..., m) or a scalar [N].
-        upper: (..., m) or a scalar [N].
+        lower: (..., m) or a scalar; may be -inf [N].
+        upper: (..., m) or a scalar; may be inf [N].
 
     Returns:
-        The gap, (...) [N]; for an infeasible `distribute`, ``-margin`` times half the widest window.
+        The gap, (...) [N], -inf where an infinite bound is reached for; for an infeasible `distribute`, ``-margin``
+        times half the widest window.
     """
     z = np.asarray(certificate, dtype=np.float64)
     power = np.einsum("...r,...rc->...c", z, np.asarray(structure, dtype=np.float64))
-    least = np.minimum(power * np.asarray(lower), power * np.asarray(upper)).sum(axis=-1)
+    bound = np.where(power > 0.0, np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64))
+    noise = np.isinf(bound) & (np.abs(power) <= TOLERANCE * np.abs(power).max(axis=-1, keepdims=True))
+    least = (power * np.where(noise, 0.0, bound)).sum(axis=-1)
     return least + np.sum(z * np.asarray(wrench), axis=-1)
 
 

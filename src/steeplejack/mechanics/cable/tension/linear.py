@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 ROUNDING = 1e-13
-"""Violation taken for rounding, relative to the largest right-hand side [1]."""
+"""Violation taken for rounding, relative to the terms of the inequality itself [1]."""
 
 MOST_STEPS = 1000
 """Exchanges before giving up; a dozen are usual."""
@@ -51,21 +51,22 @@ def climb(rows: Array, bounds: Array, active: Index, inverse: Array, weights: Ar
     _settle(rows, bounds, active, inverse, place)
     stalled, fresh = 0, True
     for _ in range(MOST_STEPS):
-        enters, worst = -1, ROUNDING * size
+        enters, worst = -1, 0.0
         for k in range(count):
-            excess = -bounds[k]
+            excess, terms = -bounds[k], abs(bounds[k])
             for j in range(d):
                 excess += rows[k, j] * place[j]
-            if excess > worst:
+                terms += abs(rows[k, j] * place[j])
+            if excess > worst and excess > ROUNDING * terms:
                 enters, worst = k, excess
                 if stalled > count:
                     break
-        if enters < 0:
-            if fresh:
-                return True
+        if worst <= ROUNDING * size and not fresh:
             _settle(rows, bounds, active, inverse, place)
             fresh = True
             continue
+        if enters < 0:
+            return True
         leaves, least, lead = -1, math.inf, 0.0
         for j in range(d):
             share = 0.0

@@ -31,7 +31,10 @@ FIXED = 1e-9
 """Length of a cable's row of the null basis below which its tension counts as fixed [1]."""
 
 SLACK = 1e-12
-"""How far outside a bound still counts as on it, relative to the largest tension met [1]."""
+"""How far outside a bound still counts as on it, relative to the numbers that meet there [1]."""
+
+ROUNDED = 1e-14
+"""The same, relative to the corners it is found from: a polygon a billion newtons long is as thin as they round [1]."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,8 @@ def tension_polygon(structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, u
         upper: Greatest tensions, (..., m) or a scalar [N].
 
     Returns:
-        Corners, sides and certificate over the broadcast leading axes. Where an input is not finite there are no
-        corners and no certificate.
+        Corners, sides and certificate over the broadcast leading axes. Where an input is not finite, or a column is
+        zero (a cable without length), there are no corners and no certificate; `distribute` says ``UNDEFINED`` there.
 
     Raises:
         InputError: Not two cables too many.
@@ -116,7 +119,7 @@ def polygons_each(
     space, active, place = np.empty(room(m, 2)), np.empty(3, np.int64), np.empty(3)
     for k in range(structures.shape[0]):
         lower, upper = lowers[k], uppers[k]
-        if not math.isfinite(structures[k].sum() + wrenches[k].sum() + lower.sum() + upper.sum()):
+        if not _answerable(structures[k], wrenches[k], lower, upper):
             continue
         rank = decompose(structures[k], left, tau, scale, order)
         if rank < n:
@@ -136,6 +139,15 @@ def polygons_each(
 
 
 @njit(cache=True, error_model="numpy")
+def _answerable(structure: Array, wrench: Array, lower: Array, upper: Array) -> bool:
+    """Whether all is finite and every cable has a length, as `distribution` asks too."""
+    for i in range(structure.shape[1]):
+        if not np.abs(structure[:, i]).sum() > 0.0:
+            return False
+    return math.isfinite(structure.sum() + wrench.sum() + lower.sum() + upper.sum())
+
+
+@njit(cache=True, error_model="numpy")
 def clip(start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, points: Array, labels: Index) -> int:
     """Corners of one polygon.
 
@@ -152,12 +164,11 @@ def clip(start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, 
         How many corners; 0 where nothing is left.
     """
     m = start.size
-    size = 0.0
+    load = 0.0
     if upside_down(lower, upper):
         return 0
     for i in range(m):
-        size = max(size, max(abs(start[i]), max(abs(lower[i]), abs(upper[i]))))
-    slack = SLACK * size
+        load = max(load, abs(start[i]))
     i, j = chosen[0], chosen[1]
     det = basis[i, 0] * basis[j, 1] - basis[i, 1] * basis[j, 0]
     for c in range(4):
@@ -174,15 +185,25 @@ def clip(start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, 
         sign = -1.0 if side < m else 1.0
         limit = sign * ((lower[cable] if side < m else upper[cable]) - start[cable])
         x, y = sign * basis[cable, 0], sign * basis[cable, 1]
+        slack = SLACK * (load + abs(lower[cable] if side < m else upper[cable]))
         if math.sqrt(x * x + y * y) < FIXED:
-            if limit < -slack - FIXED * size:
+            if limit < -slack - FIXED * _reach(points[now], count):
                 return 0
             continue
         count = _cut(points[now], labels[now], count, x, y, limit, slack, side, points[1 - now], labels[1 - now])
         now = 1 - now
         if count == 0:
             return 0
-    return _tidy(points, labels, now, count, slack)
+    return _tidy(points, labels, now, count, SLACK * (load + _reach(points[now], count)))
+
+
+@njit(cache=True, error_model="numpy")
+def _reach(points: Array, count: int) -> float:
+    """Largest coordinate of the corners [N]."""
+    reach = 0.0
+    for c in range(count):
+        reach = max(reach, max(abs(points[c, 0]), abs(points[c, 1])))
+    return float(reach)
 
 
 @njit(cache=True, error_model="numpy")
@@ -201,6 +222,8 @@ def _cut(
 ) -> int:  # fmt: skip
     """Cut a polygon with ``x a + y b <= limit`` (Sutherland and Hodgman 1974); corners on the line stay as they are."""
     out = 0
+    for c in range(count):
+        slack = max(slack, ROUNDED * max(abs(x * points[c, 0]), abs(y * points[c, 1])))
     before = x * points[count - 1, 0] + y * points[count - 1, 1] - limit
     for c in range(count):
         last = c - 1 if c > 0 else count - 1

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-ROUNDING = 1e-13  # [1] violation taken for rounding, relative to the largest bound
+ROUNDING = 1e-13  # [1] violation taken for rounding, relative to the terms of the inequality itself
 DEPENDENT = 1e-20  # [1] squared share of a row below which it counts as dependent on the active ones
 MOST_STEPS = 1000  # bounds taken in or given up before giving up; a handful are usual
 MOST_NEWTON = 200  # Newton steps; under ten are usual
@@ -54,19 +54,17 @@ def project(start: Array, rows: Array, lower: Array, upper: Array, x: Array, spa
     """
     m, r = rows.shape
     weights, frame = space[: r + 1], space[r + 1 : r + 1 + (2 * r + 2) * r].reshape(2 * r + 2, r)
-    size = 0.0
-    for i in range(m):
-        size = max(size, max(abs(start[i]), max(abs(lower[i]), abs(upper[i]))))
     count, steps = 0, 0
     while True:
-        enters, worst = -1, ROUNDING * size
+        enters, worst = -1, 0.0
         for i in range(m):
-            value = start[i]
+            value, terms = start[i], abs(start[i])
             for j in range(r):
                 value += rows[i, j] * x[j]
-            if value - upper[i] > worst:
+                terms += abs(rows[i, j] * x[j])
+            if value - upper[i] > max(worst, ROUNDING * (terms + abs(upper[i]))):
                 enters, worst = i + m, value - upper[i]
-            if lower[i] - value > worst:
+            if lower[i] - value > max(worst, ROUNDING * (terms + abs(lower[i]))):
                 enters, worst = i, lower[i] - value
         if enters < 0:
             return True
