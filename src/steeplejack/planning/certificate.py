@@ -197,9 +197,10 @@ def certify(
         quality[j, 1] = suspension.least_pivot(hessian)
         quality[j, 2], quality[j, 3] = clearance.cable_gap(anchors[j], ends, axes, radii, own)
         quality[j, 4] = np.max(lengths)
-        # An equilibrium that was not found has no orientation; its room is below 0 already.
-        matrix, _scale = in_plane.plane_matrix(u, rotation, attachments)
-        quality[j, 5] = in_plane.dexterity(matrix) if room > -np.inf else 0.0
+        quality[j, 5] = 0.0
+        if room >= 0.0:  # elsewhere nothing is steered, and the eigenvalues cost as much as the rest
+            matrix, _scale = in_plane.plane_matrix(u, rotation, attachments)
+            quality[j, 5] = in_plane.dexterity(matrix)
         rotations[j], tensions[j] = rotation, t
     return rotations, tensions, quality
 
