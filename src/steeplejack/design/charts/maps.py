@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -14,33 +13,21 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, withStroke
 from numpy.typing import NDArray
 
+from steeplejack.design.charts.style import INK, PAPER, ROPE, STEEL, STYLE
 from steeplejack.mechanics.cable.structure import planar_arms
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
-    from matplotlib.typing import RcKeyType
 
 Array = NDArray[np.float64]
 Stays = Mapping[str, tuple[float, float]]
 
-INK, STEEL, ROPE, PAPER = "#22303c", "#8795a1", "#44525e", "white"
 MOST_PANELS = 9
 MOST_NODES = 600  # along a side; finer maps are drawn thinned
 LABELS = {"tension_factor": "tension factor [1]", "margin": "margin inside the tension window [1]"}
 LEVELS = (0.2, 0.4, 0.6, 0.8)
-STYLE: dict[RcKeyType, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "axes.edgecolor": STEEL,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.8,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "svg.hashsalt": "steeplejack",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,17 +83,6 @@ def map_figure(dataset: xr.Dataset, stays: Stays | None = None) -> Figure:
         bar = figure.colorbar(colours[0], ax=grid, shrink=0.92, aspect=34, pad=0.02, label=LABELS[quantity])
         bar.outline.set_visible(False)
     return figure
-
-
-def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure; the ending of the name says SVG or PNG. Same figure, same bytes.
-
-    Args:
-        figure: What to write.
-        path: Ends in ``.svg`` or ``.png``.
-    """
-    with matplotlib.rc_context(rc=STYLE):
-        figure.savefig(path, dpi=200, metadata={"Date": None} if Path(path).suffix == ".svg" else None)
 
 
 def _panel(dataset: xr.Dataset, index: int, quantity: str) -> _Panel:
