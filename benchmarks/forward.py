@@ -4,7 +4,9 @@
 
 - ``track``: a stream of noisy lengths followed from pose to pose; SciPy's ``least_squares`` with the analytic
   derivative on a sample of the same stream is the peer. Bound of the requirement: 5 us a pose.
-- ``every pose``: branch and bound over the anchors' box and all angles (planar), over a stated box (spatial).
+- ``every pose``: branch and bound over all poses there are (planar), over a stated box (spatial), straight and over
+  pulleys.
+- ``forward``: one answer of `forward_kinematics`, several hundred starts included.
 - ``settle`` and ``lost cable``: equilibria on locked winches; SciPy's SLSQP on the same lost cable is the peer.
 
 Times are of this process (CPU), the best of several rounds, so that other work on the machine counts less.
@@ -27,6 +29,7 @@ from steeplejack.mechanics.cable import (  # noqa: E402
     LockedPlatform,
     every_planar_pose,
     every_spatial_pose,
+    forward_kinematics,
     locked_at,
     lost_cable_map,
     planar_lengths,
@@ -78,7 +81,9 @@ def planar(rng: np.random.Generator) -> dict[str, float]:
 
     theirs = best(peer, 2) / 200
     every = best(lambda: every_planar_pose(lengths[0], ANCHORS, ATTACHMENTS, tolerance=1e-4))
+    once = best(lambda: forward_kinematics(lengths[0], ANCHORS, ATTACHMENTS, poses[0]))
     return {
+        "forward_planar_ms": 1e3 * once,
         "track_planar_us": 1e6 * ours,
         "scipy_least_squares_planar_us": 1e6 * theirs,
         "every_pose_planar_ms": 1e3 * every,
@@ -102,7 +107,12 @@ def spatial(rng: np.random.Generator) -> dict[str, float]:
         best(lambda w=w, a=a: every_spatial_pose(lengths[0], *robot, start[0], np.eye(3), w, a, tolerance=1e-3), 2)
         for w, a in ((0.3, 0.3), (1.0, 0.7))
     ]
+    once = best(lambda: forward_kinematics(lengths[0], *robot, start[0]))
+    narrow = (start[0], np.eye(3), 0.3, 0.3)
+    over_pulleys = best(lambda: every_spatial_pose(wound[0], *robot, *narrow, tolerance=1e-3, **wheels), 2)
     return {
+        "forward_spatial_ms": 1e3 * once,
+        "every_pose_spatial_pulleys_0.3m_0.3rad_ms": 1e3 * over_pulleys,
         "track_spatial_us": 1e6 * straight,
         "track_spatial_pulleys_us": 1e6 * pulleys,
         "every_pose_spatial_0.3m_0.3rad_ms": 1e3 * boxes[0],
@@ -143,7 +153,7 @@ def main() -> None:
         print(json.dumps(rows))
         return
     for name, value in rows.items():
-        print(f"{name:<36}{value:>12.2f}")
+        print(f"{name:<44}{value:>12.2f}")
 
 
 if __name__ == "__main__":

@@ -5,8 +5,9 @@ import pytest
 
 from steeplejack.control import allocation, estimator
 from steeplejack.control.law import law, least_squares
-from steeplejack.mechanics.cable.rest import suspension
-from steeplejack.mechanics.cable.rest.in_plane import plane_matrix
+from steeplejack.mechanics.cable.rest import statics
+from steeplejack.robots.squad import suspension
+from steeplejack.robots.squad.in_plane import plane_matrix
 from steeplejack.spatial import from_vector
 
 ATTACHMENTS = np.array([[-0.095, -0.095, 0.0], [0.095, -0.095, 0.0], [0.095, 0.095, 0.0], [-0.095, 0.095, 0.0]])
@@ -31,7 +32,7 @@ def pose(seed: int):
 def command(seed: int, lengths_off: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Change of winch pull for cable lengths off the reference and rates, friction compensation aside."""
     anchors, position, rotation, planned = pose(seed)
-    _u, lengths = suspension.directions(anchors, ATTACHMENTS, position, rotation)
+    _u, lengths = statics.directions(anchors, ATTACHMENTS, position, rotation)
     tangents = np.tile([0.6, 0.0, 0.8], (4, 1))
     pull, _drive, _turn, status = law(
         anchors, tangents, ATTACHMENTS, lengths + lengths_off, rates, position, rotation, np.zeros(3), np.zeros(3),
@@ -62,7 +63,7 @@ def test_winches_see_a_passive_spring_and_damper(seed: int) -> None:
 
 def test_least_squares_inverts_the_plane_matrix() -> None:
     anchors, position, rotation, _planned = pose(3)
-    u, _lengths = suspension.directions(anchors, ATTACHMENTS, position, rotation)
+    u, _lengths = statics.directions(anchors, ATTACHMENTS, position, rotation)
     matrix, _scale = plane_matrix(u, rotation, ATTACHMENTS)
     wanted = np.array([0.3, -0.2, 0.05])
     assert np.allclose(least_squares(matrix, matrix @ wanted), wanted, rtol=1e-9)
@@ -73,7 +74,7 @@ def test_allocation_is_exact_within_bounds_and_says_when_not() -> None:
     seen = set()
     for seed in range(40):
         anchors, position, rotation, planned = pose(seed % 8)
-        u, _lengths = suspension.directions(anchors, ATTACHMENTS, position, rotation)
+        u, _lengths = statics.directions(anchors, ATTACHMENTS, position, rotation)
         matrix, _scale = plane_matrix(u, rotation, ATTACHMENTS)
         wrench = rng.normal(size=3) * 10.0 ** rng.uniform(0, 2.5)
         tensions, status = allocation.allocate(matrix, wrench, planned, np.full(4, 15.0), np.full(4, 255.0))
@@ -92,7 +93,7 @@ def test_allocation_is_exact_within_bounds_and_says_when_not() -> None:
 def test_estimate_finds_the_pose_from_lengths_and_tensions(seed: int) -> None:
     """Started 3 cm and 3 deg off, with exact measurements, a few steps find the equilibrium."""
     anchors, position, rotation, tensions = pose(seed)
-    _u, lengths = suspension.directions(anchors, ATTACHMENTS, position, rotation)
+    _u, lengths = statics.directions(anchors, ATTACHMENTS, position, rotation)
     rng = np.random.default_rng(seed)
     guess = position + rng.normal(size=3) * 0.03
     turned = from_vector(rng.normal(size=3) * 0.05) @ rotation

@@ -218,7 +218,7 @@ def test_shapes_that_are_no_structure_matrix_are_refused(shape):
 
 
 def test_anchors_that_do_not_match_attachments_are_refused():
-    with pytest.raises(InputError, match="anchors and attachments"):
+    with pytest.raises(InputError, match="8 anchors and 7 attachments"):
         spatial_closure_map(np.ones((8, 3)), np.ones((7, 3)), np.zeros(3), np.eye(3))
 
 

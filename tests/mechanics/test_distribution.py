@@ -9,14 +9,14 @@ from scipy.optimize import linprog
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
     METHODS,
-    Status,
+    DistributionStatus,
     certificate_gap,
     distribute,
     margin_grid,
     planar_arms,
     planar_structure_matrix,
 )
-from steeplejack.mechanics.cable.tension.line import TOLERANCE
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 
 BAND = 1e-6  # [1] margin below which a linear program may decide either way
 CONCURRENT = 0.5 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0]])
@@ -85,7 +85,7 @@ def test_tensions_balance_and_stay_inside_where_feasible(answered, method):
     assert excess[answer.feasible].max() < 1e-8 * upper.max()
     assert excess[~answer.feasible].min() > 0.0
     np.testing.assert_array_equal(answer.margin, answers["min-max"].margin)
-    assert ((answer.status == Status.MISSED) <= (answer.margin >= 0.0)).all()
+    assert ((answer.status == DistributionStatus.MISSED) <= (answer.margin >= 0.0)).all()
 
 
 def test_min_max_is_the_linear_program(answered):
@@ -176,7 +176,7 @@ def test_a_cable_the_null_vector_hardly_moves(component):
     answer = distribute(structure, -structure @ held, 10.0, [100.0, 100.0, 100.0, 40.0])
     assert answer.margin == pytest.approx(0.0, abs=1e-6)
     infeasible = distribute(structure, -structure @ held, 10.0, [100.0, 100.0, 100.0, 39.0])
-    assert infeasible.status == Status.INFEASIBLE
+    assert infeasible.status == DistributionStatus.INFEASIBLE
     assert (
         certificate_gap(infeasible.certificate, structure, -structure @ held, 10.0, [100.0, 100.0, 100.0, 39.0]) > 0.9
     )
@@ -188,7 +188,7 @@ def test_a_fixed_tension_and_an_upside_down_window(rng):
     bounds = np.full(4, -1e4), np.full(4, 1e4)
     bounds[0][2] = bounds[1][2] = free.tensions[2]
     fixed = distribute(structure, wrench, *bounds)
-    assert fixed.status == Status.FEASIBLE
+    assert fixed.status == DistributionStatus.FEASIBLE
     assert fixed.tensions[2] == pytest.approx(free.tensions[2], abs=1e4 * TOLERANCE)
     bounds[1][2] -= 100.0
     assert distribute(structure, wrench, *bounds).margin == pytest.approx(-0.005)
@@ -197,7 +197,7 @@ def test_a_fixed_tension_and_an_upside_down_window(rng):
 def test_a_singular_pose_is_infeasible_and_names_the_unresisted_wrench():
     for wrench in ([0.0, -100.0, 0.0], [0.0, -100.0, -3.0]):
         answer = distribute(CONCURRENT, wrench, 10.0, 250.0)
-        assert answer.status == Status.SINGULAR
+        assert answer.status == DistributionStatus.SINGULAR
         assert not answer.feasible
         assert answer.margin == -np.inf
         assert np.isnan(answer.tensions).all()
@@ -209,7 +209,7 @@ def test_near_a_singular_pose_the_answer_still_balances():
     structure = CONCURRENT.copy()
     structure[2] = [1e-6, -2e-6, 1e-6, 3e-6]
     answer = distribute(structure, [0.0, -100.0, 1e-5], 0.0, 500.0)
-    assert answer.status in (Status.FEASIBLE, Status.INFEASIBLE)
+    assert answer.status in (DistributionStatus.FEASIBLE, DistributionStatus.INFEASIBLE)
     np.testing.assert_allclose(structure @ answer.tensions, [0.0, 100.0, -1e-5], rtol=1e-9, atol=1e-9)
 
 
@@ -221,7 +221,7 @@ def test_parallel_cables_name_the_direction_the_load_pushes_in():
         ([1.0, 3, 4], [0, 0.6, 0.8]),
     ):
         answer = distribute(structure, wrench, 0.0, 1.0)
-        assert answer.status == Status.SINGULAR
+        assert answer.status == DistributionStatus.SINGULAR
         np.testing.assert_allclose(answer.certificate @ structure, 0.0, atol=1e-15)
         if direction:
             np.testing.assert_allclose(answer.certificate, direction, atol=1e-15)
@@ -232,7 +232,7 @@ def test_a_cable_without_length_pulls_nobody_knows_where(rng):
     structure, wrench, lower, upper = (array[0] for array in questions(rng, 1))
     structure[:, 2] = 0.0
     answer = distribute(structure, wrench, lower, upper)
-    assert answer.status == Status.UNDEFINED
+    assert answer.status == DistributionStatus.UNDEFINED
     assert not answer.feasible
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     x, y = square[2] - planar_arms(0.25 * square, 0.2)[2]
@@ -247,7 +247,7 @@ def test_what_is_not_finite_is_undefined_and_never_feasible(rng, bad, where):
     structure, wrench, lower, upper = (array[0] for array in questions(rng, 1))
     {"structure": structure[1], "wrench": wrench}[where][0] = bad
     answer = distribute(structure, wrench, lower, upper)
-    assert answer.status == Status.UNDEFINED
+    assert answer.status == DistributionStatus.UNDEFINED
     assert not answer.feasible
 
 
@@ -262,11 +262,26 @@ def test_batches_equal_loops_and_broadcast(rng):
 
 def test_bad_questions_are_refused(rng):
     structure, wrench, lower, upper = (array[0] for array in questions(rng, 1))
-    with pytest.raises(InputError, match="window"):
-        distribute(structure, wrench, upper, lower)
+    with pytest.raises(InputError, match="lower"):
+        distribute(structure, wrench, [1.0, 2.0], upper)
+    with pytest.raises(InputError, match="leading axes"):
+        distribute(np.stack((structure, structure)), np.stack((wrench, wrench, wrench)), lower, upper)
     with pytest.raises(InputError, match="one of closed-form, .*min-max"):
         distribute(structure, wrench, lower, upper, "dykstra")  # pyright: ignore[reportArgumentType]
 
 
+def test_no_pose_of_a_batch_stops_the_others(rng):
+    structures, wrenches, lower, upper = (array.copy() for array in questions(rng, 6))
+    alone = distribute(structures, wrenches, lower, upper)
+    lower[0], upper[0] = upper[0].copy(), lower[0].copy()
+    upper[1] = lower[1]
+    wrenches[2, 0], upper[3, 1], lower[4, 2] = np.nan, np.nan, -np.inf
+    answer = distribute(structures, wrenches, lower, upper)
+    assert (answer.status[:2] == DistributionStatus.INFEASIBLE).all()
+    assert np.isnan(answer.certificate[0]).all()
+    assert (answer.status[2:5] == DistributionStatus.UNDEFINED).all()
+    np.testing.assert_array_equal(answer.tensions[5], alone.tensions[5])
+
+
 def test_every_status_gives_advice():
-    assert all(status.advice for status in Status)
+    assert all(status.advice for status in DistributionStatus)

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linprog
 from tension_questions import balanced_by
 
-from steeplejack.mechanics.cable import METHODS, Status, certificate_gap, distribute, wrench_feasible
+from steeplejack.mechanics.cable import METHODS, DistributionStatus, certificate_gap, distribute, wrench_feasible
 
 BAND = 1e-3  # [N] excess below which the solver's own rounding may decide; the narrow windows are 1 N wide or more
 SHAPES = [(3, 4), (3, 5), (3, 6), (6, 7), (6, 8), (6, 9)]
@@ -54,7 +54,7 @@ def test_mixed_windows_agree_with_highs(n, m, rng):
     for name in taken(n, m):
         answer = distribute(*asked, name)
         assert answer.feasible[held].all()
-        assert (answer.status[refused] == Status.INFEASIBLE).all()
+        assert (answer.status[refused] == DistributionStatus.INFEASIBLE).all()
         assert (certificate_gap(answer.certificate, *asked)[refused] > 0.0).all()
         size = np.abs(answer.tensions).max(axis=-1, keepdims=True)
         allowed = 1e-8 + 1e-12 * size
@@ -69,7 +69,7 @@ def test_a_wide_window_makes_no_other_soft(method, width):
     for load, feasible in ((-1.2, False), (-1.0 - 1e-6, False), (-1.0, True), (-0.8, True)):
         asked = structure, [0.0, load, 0.0], 0.0, [width, 1.0, 1.0, 1.0]
         answer = distribute(*asked, method)
-        assert (answer.status != Status.INFEASIBLE) == feasible
+        assert (answer.status != DistributionStatus.INFEASIBLE) == feasible
         assert wrench_feasible(structure, 0.0, asked[3], asked[1]).feasible == feasible
         if METHODS[method].complete:
             assert answer.feasible == feasible

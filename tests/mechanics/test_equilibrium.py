@@ -57,10 +57,10 @@ def test_gradient_and_hessian_by_finite_differences(seed):
         def at(x, platform=platform, spring=spring):
             gradient, hessian, tensions = np.empty(6), np.empty((6, 6)), np.empty(len(spring))
             turn = from_vector(np.array(x[:3])) @ case.rotation
+            robot = (platform.anchors, platform.axes, platform.radii, platform.attachments, platform.unstressed)
             value = evaluate(
-                platform.anchors, platform.axes, platform.radii, platform.attachments, platform.unstressed, spring,
-                np.zeros(len(spring)), platform.forces, platform.points, 0.0, case.position + x[3:], turn, 0.0,
-                gradient, hessian, tensions,
+                robot, (platform.forces, platform.points, 0.0), spring, np.zeros(len(spring)),
+                case.position + x[3:], turn, 0.0, gradient, hessian, tensions,
             )  # fmt: skip
             return value, gradient, hessian
 
@@ -262,6 +262,18 @@ def test_a_start_has_to_be_a_pose():
         settle(platform, [0.0, 0.0], np.eye(3))
     with pytest.raises(InputError, match="rotation"):
         settle(platform, np.zeros(3), 2.0 * np.eye(3))
+    with pytest.raises(InputError, match="position"):
+        settle(platform, "here", np.eye(3))
+    with pytest.raises(InputError, match="rotation"):
+        settle(platform, np.zeros(3), np.nan)
+    with pytest.raises(InputError, match="rotation"):
+        settle(LockedPlatform.planar([[0.0, 1.0]], [[0.0, 0.0]], 1.0, [0.0, -1.0]), np.zeros(2), np.inf)
+    with pytest.raises(InputError, match="positions and rotations"):
+        equilibria(platform, np.zeros((3, 3)), np.tile(np.eye(3), (2, 1, 1)))
+    rest = settle(platform, np.zeros(3), np.eye(3))
+    for bad in (np.eye(3), -np.eye(6), np.eye(6) + np.eye(6, k=1), np.full((6, 6), np.nan)):
+        with pytest.raises(InputError, match="mass matrix"):
+            natural_frequencies(rest, bad)
 
 
 def test_bounded_steps_are_the_least_in_the_ball(rng):
@@ -280,3 +292,30 @@ def test_bounded_steps_are_the_least_in_the_ball(rng):
 
         least = model(points).min()
         assert model(step) <= least + 0.15 * abs(least)
+
+
+def test_a_platform_that_falls_onto_its_pulley_has_no_rest():
+    """The cable loses its course at the rim: no equilibrium is claimed there, and nothing is raised."""
+    platform = LockedPlatform.planar(
+        [[0.0, 0.0]], [[0.0, 0.0]], 5.0, [0.0, -100.0], radii=0.3, axes=[[0.0, 1.0]], gyration=0.1
+    )
+    rest = settle(platform, [0.3, 1.0], 0.3)
+    assert rest.status is Rest.UNFINISHED
+    np.testing.assert_allclose(rest.position[:2], [0.3, 0.3], atol=1e-6)
+
+
+def test_a_start_inside_a_pulley_has_no_stiffness():
+    platform = LockedPlatform.planar(
+        [[0.0, 0.0]], [[0.0, 0.0]], 5.0, [0.0, -100.0], radii=0.3, axes=[[0.0, 1.0]], gyration=0.1
+    )
+    rest = settle(platform, [0.3, 0.1], 0.3)
+    assert rest.status is Rest.UNDEFINED
+    assert np.isnan(rest.stiffness).all() and np.isnan(rest.energy)
+    assert natural_frequencies(rest, np.eye(3)).size == 0
+
+
+def test_tension_that_is_only_rounding_is_none():
+    """A platform without load that was pulled in hangs loose, not in an equilibrium of 1e-13 N."""
+    platform = LockedPlatform.planar([[0.0, 1.0]], [[0.0, 0.1]], 1.0, [0.0, 0.0], axial_stiffness=100.0)
+    rest = settle(platform, [3.0, 0.7], 0.9)
+    assert rest.status is Rest.LOOSE

@@ -14,14 +14,16 @@ from steeplejack.mechanics.cable import (
     track_planar,
     track_spatial,
 )
+from steeplejack.mechanics.cable.pose.bounds import enclose
 from steeplejack.mechanics.cable.pose.every_pose import _angles, _rotations
-from steeplejack.mechanics.cable.pose.global_search import enclose
 from steeplejack.spatial import from_vector
 
 CORNERS = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])
 ANCHORS = np.array([[4.0 * x, 3.0 * y, z] for z in (5.0, 1.0) for x, y in CORNERS])  # IPAnema 2
 UPPER, LOWER = ((0.65, 0.125, 0.25), (0.75, 0.1, 0.75))
 ATTACHMENTS = np.array([[a * x, b * y, z] for a, b, z in (UPPER, LOWER) for x, y in CORNERS])
+
+UP = np.tile([0.0, 0.0, 1.0], (8, 1))
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +36,7 @@ def test_bounds_hold_for_every_sample(rng):
     squares, slopes = np.empty((8, 2)), np.empty((8, 6, 2))
     for _ in range(30):
         middle, half = rng.normal(size=6) * [1, 1, 1, 0.5, 0.5, 1.5], rng.uniform(0.0, 0.4, 6)
-        enclose(middle - half, middle + half, ANCHORS, ATTACHMENTS, squares, slopes)
+        enclose(middle - half, middle + half, ANCHORS, UP, np.zeros(8), ATTACHMENTS, squares, slopes)
         for _ in range(20):
             at = middle + half * rng.uniform(-1.0, 1.0, 6)
 

@@ -7,6 +7,7 @@ import pytest
 from published_robots import COGIRO, IPANEMA_2, rotations
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.region import clearance
 from steeplejack.mechanics.cable.region.certified import Label
 from steeplejack.mechanics.cable.region.interference import (
     Surroundings,
@@ -176,11 +177,15 @@ def test_a_cable_along_a_face_is_free_at_every_rotation(rng):
 @pytest.mark.parametrize(
     ("changes", "where"),
     [
-        ({"anchors": [[0.0, 0.0, np.nan]]}, "surroundings"),
-        ({"anchors": [[0.0, 0.0]]}, "cables"),
+        ({"anchors": [[0.0, 0.0, np.nan]]}, "anchors"),
+        ({"anchors": [[0.0, 0.0]]}, "anchors"),
+        ({"anchors": "there"}, "anchors"),
         ({"attachments": [[0.0, 0.0, 0.0]] * 2}, "cables"),
         ({"stays": [[[0.0, 0.0, 0.0]]]}, "stays"),
-        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": np.nan}, "surroundings"),
+        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": np.nan}, "radii"),
+        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": [0.1, 0.2]}, "radii"),
+        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "own": 1}, "own"),
+        ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "own": 0.5}, "own"),
         ({"stays": [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], "radii": -0.1}, "radii"),
         ({"rotation": 2.0 * np.eye(3)}, "rotation"),
         ({"rotation": np.diag([1.0, 1.0, -1.0])}, "rotation"),
@@ -198,3 +203,66 @@ def test_clearances_that_mean_nothing_are_refused(crowded):
         interference_region(crowded, [[0.0, 1.0]] * 3, 0.0)
     with pytest.raises(InputError, match="tolerance"):
         interference_rays(crowded, np.zeros(3), np.ones(3), 0.1, np.nan)
+
+
+ORIGIN, X, Y, Z = np.zeros(3), *np.eye(3)
+
+
+@pytest.mark.parametrize(
+    ("segments", "distance"),
+    [
+        ((ORIGIN, X, Y, X + Y), 1.0),  # parallel, side by side
+        ((ORIGIN, X, X + Y, Y), 1.0),  # the same, the other way round
+        ((ORIGIN, X, 3.0 * X + Y, 5.0 * X + Y), np.sqrt(5.0)),  # parallel, apart along their direction
+        ((ORIGIN, X, 0.5 * X, 2.0 * X), 0.0),  # on one line, overlapping
+        ((ORIGIN, X, X, 2.0 * X), 0.0),  # on one line, end to end
+        ((ORIGIN, X, 3.0 * X, 2.0 * X), 1.0),  # on one line, apart
+        ((ORIGIN, X, ORIGIN, X), 0.0),  # the same
+        ((ORIGIN, X, 0.25 * X, 0.25 * X + Y), 0.0),  # an end on the other's middle
+        ((ORIGIN, X, 0.5 * X - Y, 0.5 * X + Y), 0.0),  # crossing
+        ((ORIGIN, X, 0.5 * X - Y + Z, 0.5 * X + Y + Z), 1.0),  # crossing above each other
+        ((ORIGIN, ORIGIN, X + Y, X + Y), np.sqrt(2.0)),  # two points
+        ((ORIGIN, ORIGIN, Y - X, Y + X), 1.0),  # a point and a segment
+        ((ORIGIN, X, 2.0 * X, 2.0 * X), 1.0),  # a segment and a point on its line
+    ],
+)
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+def test_distances_of_degenerate_segments(segments, distance, scale):
+    turn = rotations(np.array([[0.3, -1.1, 0.7]]))[0]
+    for turned in (np.eye(3), turn):
+        a, b, c, d = (scale * turned @ end for end in segments)
+        for ends in ((a, b, c, d), (c, d, a, b), (b, a, d, c)):
+            found = clearance.segment_distance(*(np.ascontiguousarray(end) for end in ends))
+            assert found == pytest.approx(scale * distance, rel=1e-12, abs=8e-15 * scale)
+
+
+def test_a_cable_along_a_stay_inside_it_and_through_it():
+    stay = np.array([[[-5.0, 0.0, 0.0], [0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]])
+    for anchor, gap in (([2.0, 0.0, 0.3], 0.2), ([2.0, 0.0, 0.05], -0.05), ([2.0, 0.0, 0.0], -0.1)):
+        start = np.array([-1.0, 0.0, anchor[2]])
+        found, cause = interference_gaps(Surroundings.of([anchor], np.zeros((1, 3)), np.eye(3), stay, 0.1), start)
+        assert found == pytest.approx(gap, abs=1e-15) and cause == 0
+        carried = Surroundings.of([anchor], np.zeros((1, 3)), np.eye(3), stay, 0.1, own=0)
+        assert interference_gaps(carried, start)[0] == np.inf
+    through = Surroundings.of([[0.0, 1.0, 0.0]], np.zeros((1, 3)), np.eye(3), stay, 0.1)
+    assert interference_gaps(through, [0.0, -1.0, 0.0])[0] == -0.1
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"normals": 2.0 * np.eye(3)}, "normals"),
+        ({"offsets": [1.0, 1.0]}, "platform"),
+        ({"positions": [0.0, np.nan, 0.0]}, "positions"),
+        ({"rotations": np.ones((3, 3))}, "rotations"),
+        ({"attachments": np.zeros((2, 3))}, "cables"),
+    ],
+)
+def test_platforms_that_mean_nothing_are_refused(changes, where):
+    given = {"anchors": [[0.0, 0.0, 5.0]], "attachments": np.zeros((1, 3)), "positions": np.zeros(3)}
+    given |= {"rotations": np.eye(3), "normals": np.eye(3), "offsets": np.ones(3)}
+    with pytest.raises(InputError) as error:
+        platform_overlap(**(given | changes))
+    assert error.value.where == where
+    with pytest.raises(InputError, match="box"):
+        box_faces([0.0, 0.0, 1.0], [1.0, 1.0, 0.0])

@@ -166,3 +166,75 @@ def test_bad_input_is_refused(machine, best):
         locked_at(alone, [0.0, 0.0], 0.0)
     with pytest.raises(InputError, match="positions"):
         lost_cable_map(machine, np.zeros((2, 3)), np.zeros(2))
+
+
+def test_a_bad_pose_in_a_map_stops_no_other(machine, table, best):
+    """Not finite, no rotation, or a cable of no length: undefined, and the pose beside it is answered."""
+    turn = np.eye(3)
+    turn[:2, :2] = [[np.cos(best[2]), -np.sin(best[2])], [np.sin(best[2]), np.cos(best[2])]]
+    inside_an_anchor = table[0][0] - turn[:2, :2] @ table[1][0]
+    places = np.array([best[:2], best[:2], [np.inf, 0.0], inside_an_anchor, best[:2]])
+    turns = np.array([turn, 2.0 * turn, turn, turn, np.diag([1.0, -1.0, 1.0])])
+    done = []
+    found = lost_cable_map(machine, places, turns, progress=done.append)
+    assert found.settled[0].all() and (found.status[1:] == Rest.UNDEFINED).all()
+    assert np.isnan(found.drop[1:]).all() and np.isnan(found.tensions[1:]).all() and not found.taut[1:].any()
+    assert done == [1, 2, 3, 4, 5]
+    np.testing.assert_allclose(found.greatest_tension[0], found.tensions[0].max(axis=-1))
+    np.testing.assert_array_equal(found.lowest([0.0, 1.0, 0.0])[0], found.corner_box[0, :, 0, 1])
+    np.testing.assert_array_equal(found.lowest([0.0, -1.0, 0.0])[0], -found.corner_box[0, :, 1, 1])
+    none = lost_cable_map(machine, np.empty((0, 2)), np.empty(0))
+    assert none.drop.shape == (0, 4)
+
+
+def test_anchors_may_differ_from_pose_to_pose(machine, table, best):
+    """Moving the whole robot moves the answer with it."""
+    moves = np.array([[0.0, 0.0], [3.0, -2.0], [-1.0, 5.0]])
+    found = lost_cable_map(machine, best[:2] + moves, np.full(3, best[2]), anchors=table[0] + moves[:, None])
+    np.testing.assert_allclose(found.drop, np.tile(found.drop[:1], (3, 1)), atol=1e-9)
+    np.testing.assert_allclose(found.tensions, np.tile(found.tensions[:1], (3, 1, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"cables": [0, 4]}, "cable"),
+        ({"cables": [0.5]}, "cable"),
+        ({"stride": 0.0}, "stride"),
+        ({"stride": np.nan}, "stride"),
+        ({"tensions": [1.0, 2.0]}, "tensions"),
+        ({"tensions": np.nan}, "tensions"),
+        ({"corners": [[np.nan, 0.0]]}, "corners"),
+        ({"corners": [[0.0, 0.0, 0.0]]}, "corners"),
+        ({"anchors": np.zeros((2, 4, 2))}, "anchors"),
+        ({"rotations": [0.0, 1.0]}, "rotations"),
+        ({"positions": [["a", "b"]]}, "positions"),
+    ],
+)
+def test_a_map_refuses_what_is_no_question(machine, best, options, words):
+    good = {"positions": best[None, :2], "rotations": best[2:]}
+    with pytest.raises(InputError, match=words) as refused:
+        lost_cable_map(machine, **(good | options))
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"anchors": [[0.0, np.nan], [1.0, 0.0]]}, "anchors"),
+        ({"attachments": [[0.0, 0.0]]}, "attachments"),
+        ({"unstressed": [1.0, 0.0]}, "unstressed"),
+        ({"unstressed": "long"}, "unstressed"),
+        ({"axial_stiffness": -1.0}, "axial_stiffness"),
+        ({"weight": [0.0, np.inf]}, "forces"),
+        ({"moment": np.nan}, "moment"),
+        ({"radii": 0.1}, "axes"),
+        ({"gyration": "wide"}, "gyration"),
+        ({"gyration": -1.0}, "gyration"),
+    ],
+)
+def test_a_platform_that_is_none_is_refused(options, words):
+    good = {"anchors": [[0, 0], [1, 0]], "attachments": [[0, 0], [0.1, 0]], "unstressed": 1.0, "weight": [0, -1]}
+    with pytest.raises(InputError, match=words) as refused:
+        LockedPlatform.planar(**(good | options))
+    assert "\n" not in str(refused.value)

@@ -111,7 +111,7 @@ def test_planar_modes_of_table_iii_are_those_of_its_spatial_twin():
     flat = [np.pad(points, ((0, 0), (0, 1))) for points in (robot.anchors, robot.attachments)]
     turn = Rotation.from_rotvec([0.0, 0.0, pose[2]]).as_matrix()
     full = spatial_stiffness(*flat, [pose[0], pose[1], 0.0], turn, tensions, 1e5)
-    mass = spatial_mass_matrix(robot.mass, np.diag([0.1, 0.1, float(robot.inertia)]), np.zeros(3), turn)
+    mass = spatial_mass_matrix(robot.mass, np.diag([0.2, 0.2, float(robot.inertia)]), np.zeros(3), turn)
     every = natural_modes(full, mass).squares
     for square in plane.squares:
         assert np.abs(every / square - 1.0).min() < 1e-9
@@ -171,3 +171,61 @@ def test_cogiro_against_mujoco(rng):
         robot.mass_matrix(position, turn),
     )
     np.testing.assert_allclose(found.squares, wanted, rtol=1e-4)
+
+
+def inertia_of(*moments):
+    """Principal moments as a matrix."""
+    return np.diag(moments)
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"mass": -1.0}, "mass"),
+        ({"mass": 0.0}, "mass"),
+        ({"mass": np.nan}, "mass"),
+        ({"mass": [1.0, 2.0]}, "mass"),
+        ({"inertia": np.eye(2)}, "inertia"),
+        ({"inertia": inertia_of(1.0, 1.0, -1.0)}, "inertia"),
+        ({"inertia": inertia_of(1.0, 1.0, 2.1)}, "inertia"),
+        ({"inertia": np.eye(3) + np.eye(3, k=1) * 0.1}, "inertia"),
+        ({"inertia": np.full((3, 3), np.nan)}, "inertia"),
+        ({"centre": np.zeros(2)}, "centre"),
+        ({"centre": [0.0, np.inf, 0.0]}, "centre"),
+        ({"rotation": np.eye(2)}, "rotation"),
+    ],
+)
+def test_bodies_there_are_none_of_are_refused(changes, where):
+    given = {"mass": 2.0, "inertia": inertia_of(1.0, 1.2, 1.5), "centre": np.zeros(3), "rotation": np.eye(3)}
+    with pytest.raises(InputError) as error:
+        spatial_mass_matrix(**(given | changes))
+    assert error.value.where == where
+
+
+def test_planar_bodies_there_are_none_of_are_refused():
+    for mass, inertia, centre, where in (
+        (-2.0, 1.0, np.zeros(2), "mass"),
+        (2.0, -1.0, np.zeros(2), "inertia"),
+        (2.0, np.nan, np.zeros(2), "inertia"),
+        (2.0, 1.0, np.zeros(3), "centre"),
+    ):
+        with pytest.raises(InputError) as error:
+            planar_mass_matrix(mass, inertia, centre, 0.1)
+        assert error.value.where == where
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "mass", "where"),
+    [
+        (np.eye(3) + np.eye(3, k=1), np.eye(3), "stiffness"),
+        (np.eye(3), np.eye(3) + np.eye(3, k=1), "mass matrix"),
+        (np.eye(3), np.eye(6), "mass matrix"),
+        (np.ones((2, 3)), np.eye(3), "stiffness"),
+        (np.ones((2, 3, 3)), np.tile(np.eye(3), (5, 1, 1)), "mass matrix"),
+        ("stiff", np.eye(3), "stiffness"),
+    ],
+)
+def test_matrices_that_do_not_fit_are_refused(stiffness, mass, where):
+    with pytest.raises(InputError) as error:
+        natural_modes(stiffness, mass)
+    assert error.value.where == where

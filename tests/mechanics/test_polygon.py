@@ -8,7 +8,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable import Status, certificate_gap, distribute, null_space, tension_polygon
+from steeplejack.mechanics.cable import DistributionStatus, certificate_gap, distribute, null_space, tension_polygon
 from steeplejack.mechanics.cable.tension.polygon import centroid
 
 
@@ -166,7 +166,7 @@ def test_centroids_of_shapes_one_can_do_by_hand(points, expected):
     np.testing.assert_allclose(np.array(centroid(corners + 1e6, len(corners))) - 1e6, expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("shape", [(3, 4), (6, 9), (3,)])
+@pytest.mark.parametrize("shape", [(3, 4), (6, 9)])
 def test_other_redundancies_are_refused(shape):
     with pytest.raises(InputError, match="two cables too many"):
         tension_polygon(np.zeros(shape), np.zeros(shape[0]), 0.0, 1.0)
@@ -177,7 +177,7 @@ def test_a_cable_without_length_leaves_no_polygon_as_it_leaves_no_distribution()
     answer = tension_polygon(structure, [-1.0, -1.0], 0.0, 10.0)
     assert answer.count == 0
     assert np.isnan(answer.certificate).all()
-    assert distribute(structure, [-1.0, -1.0], 0.0, 10.0).status == Status.UNDEFINED
+    assert distribute(structure, [-1.0, -1.0], 0.0, 10.0).status == DistributionStatus.UNDEFINED
 
 
 def test_a_wide_window_does_not_soften_the_sides_of_others():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -49,12 +51,23 @@ def test_singular_and_hostile_matrices():
     flat = np.array([[1.0, 1.0, -1.0, -1.0], [0.0, 0.0, 0.0, 0.0], [0.1, -0.1, 0.1, -0.1]])
     assert dexterity(flat, 1.0) == 0.0
     assert condition_number(flat, 1.0) == np.inf
-    assert dexterity(np.zeros((6, 8)), 1.0) == 0.0
+    assert np.isnan(dexterity(np.zeros((6, 8)), 1.0))  # cables without length: undefined, not merely singular
     assert dexterity(np.ones((3, 2)), 1.0) == 0.0
-    batch = np.stack((np.eye(3, 4), np.full((3, 4), np.nan)))
+    whole = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0], [0.1, -0.1, 0.1, 0.1]])
+    batch = np.stack((whole, np.full((3, 4), np.nan)))
     np.testing.assert_array_equal(np.isnan(dexterity(batch, 1.0)), [False, True])
     for length in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="characteristic length"):
             dexterity(np.eye(3, 4), length)
+    for bad in (np.ones(3), "matrix", np.ones((3, 4)) * 1j, [[1.0, 2.0], [1.0]]):
+        with pytest.raises(InputError, match="structure"):
+            condition_number(bad, 1.0)
     with pytest.raises(InputError, match="rows"):
         dexterity(np.eye(4, 5), 1.0)
+
+
+def test_the_page_on_quality_prints_what_it_says(capsys):
+    page = (Path(__file__).parents[2] / "docs" / "quality.md").read_text()
+    code, said = (page.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "text"))
+    exec(compile(code, "quality.md", "exec"), {})
+    assert capsys.readouterr().out == said

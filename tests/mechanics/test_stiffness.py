@@ -9,8 +9,6 @@ from scipy.spatial.transform import Rotation
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pulleys import pulley_runs
 from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness
-from steeplejack.mechanics.cable.rest.suspension import directions
-from steeplejack.mechanics.cable.rest.suspension import stiffness as hanging_stiffness
 
 STEP = 1e-6
 AXIAL = 2e4
@@ -119,17 +117,6 @@ def test_planar_stiffness_is_the_slope_of_the_planar_wrench(rng):
     np.testing.assert_allclose(found, slope, atol=1e-6 * np.abs(slope).max())
 
 
-def test_the_compiled_hanging_platform_has_the_same_stiffness(rng):
-    machine = Machine(rng, 4)
-    position, rotation = machine.place(np.zeros(6))
-    u, lengths = directions(machine.anchors, machine.attachments, position, rotation)
-    rates = cable_rates(AXIAL, lengths, machine.tensions)
-    wanted = hanging_stiffness(
-        machine.attachments, machine.weight, machine.centre, rotation, u, lengths, machine.tensions, rates
-    )
-    np.testing.assert_allclose(machine.stiffness, wanted, rtol=1e-12, atol=1e-9)
-
-
 def test_slack_cables_add_nothing_and_batches_are_loops(rng):
     machine = Machine(rng, 6)
     position, rotation = machine.place(np.zeros(6))
@@ -182,7 +169,9 @@ def test_hostile_geometry_has_no_stiffness(where, rng):
         ({"centre": np.zeros(4)}, "centre"),
         ({"axes": np.ones((3, 3)), "radii": 0.1}, "axes"),
         ({"axes": np.ones((4, 3)), "radii": np.ones(3)}, "radii"),
-        ({"position": np.zeros((2, 3)), "tensions": np.ones((3, 4))}, "poses"),
+        ({"position": np.zeros((2, 3)), "tensions": np.ones((3, 4))}, "tensions"),
+        ({"position": "here"}, "position"),
+        ({"axes": np.ones((4, 3)), "radii": [0.1, 0.1, np.nan, 0.1]}, "radii"),
     ],
 )
 def test_shapes_that_do_not_fit_are_refused(changes, where):
@@ -193,3 +182,18 @@ def test_shapes_that_do_not_fit_are_refused(changes, where):
     with pytest.raises(InputError) as error:
         spatial_stiffness(**(given | changes))
     assert error.value.where == where
+
+
+def test_rates_are_those_of_elastic_cables():
+    np.testing.assert_allclose(cable_rates(1e4, [2.0, 2.02], [0.0, 100.0]), [5e3, 5e3], rtol=1e-12)
+    np.testing.assert_allclose(cable_rates(1e4, 2.0, -50.0), 5e3)
+    assert cable_rates(1e4, 0.0, 1.0) == np.inf
+    for stiffness, lengths, where in (
+        (-1.0, 1.0, "axial_stiffness"),
+        (0.0, 1.0, "axial_stiffness"),
+        (1.0, "m", "lengths"),
+        ([1.0, 1.0], [1.0, 1.0, 1.0], "lengths"),
+    ):
+        with pytest.raises(InputError) as error:
+            cable_rates(stiffness, lengths, 1.0)
+        assert error.value.where == where

@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import fsolve
 
-from steeplejack.mechanics.cable.rest.suspension import hang
 from steeplejack.report.drift import drift_shift
 from steeplejack.robots.squad.parameters import load_squad
+from steeplejack.robots.squad.suspension import hang
 from steeplejack.spatial import from_vector
 
 Array = NDArray[np.float64]

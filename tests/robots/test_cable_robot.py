@@ -8,13 +8,17 @@ from scipy.spatial.transform import Rotation
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
+    Rest,
+    distribute,
+    lost_cable,
     planar_lengths,
     planar_structure_matrix,
+    settle,
     spatial_lengths,
     spatial_structure_matrix,
     tension_factor,
 )
-from steeplejack.robots.cable_robot import BUILT_IN, list_cable_robots, load_cable_robot
+from steeplejack.robots.cable_robot import BUILT_IN, list_cable_robots, load_cable_robot, load_caspr
 from steeplejack.robots.cable_robot.catalogue import read_parameters
 
 PLANAR = """
@@ -168,6 +172,30 @@ def test_planar_and_spatial_poses_are_not_mixed_up():
         load_cable_robot("kntu-planar").lengths([0.0, 0.0, 0.0], np.eye(3))
 
 
+def test_locked_winches_leave_the_platform_where_it_hangs():
+    """CoGiRo hung on tensions that balance it settles where it is, and without a cable its weight sinks."""
+    robot, gravity, place, turn = load_cable_robot("cogiro"), [0.0, 0.0, -9.81], [0.5, -0.3, 2.0], np.eye(3)
+    weight = robot.weight(gravity, place, turn)
+    held = distribute(robot.structure(place, turn), weight, robot.lower, robot.upper, "qp")
+    locked = robot.locked(gravity, place, turn, held.tensions)
+    rest = settle(locked, place, turn)
+    assert Rest(rest.status) == Rest.STABLE
+    np.testing.assert_allclose(rest.position, place, atol=1e-6)
+    np.testing.assert_allclose(rest.tensions, held.tensions, rtol=1e-4)
+    without = lost_cable(robot.locked(gravity, place, turn), 0, place, turn).rest
+    assert (without.position + without.rotation @ robot.centre_of_mass)[2] < place[2] + robot.centre_of_mass[2]
+
+
+def test_locked_winches_of_a_planar_robot(write):
+    robot, pose = load_cable_robot(write(PLANAR)), np.array([2.0, 1.2, 0.1])
+    locked = robot.locked([0.0, -9.81], pose)
+    np.testing.assert_allclose(locked.unstressed, robot.lengths(pose))
+    assert locked.gyration == pytest.approx(np.sqrt(0.1 / 2.0))
+    assert np.isinf(locked.axial_stiffness).all()
+    with pytest.raises(InputError, match="no axial stiffness"):
+        robot.locked([0.0, -9.81], pose, tensions=10.0)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     (
@@ -189,6 +217,31 @@ def test_planar_and_spatial_poses_are_not_mixed_up():
         ('dimension = "planar"', 'dimension = "spatial"', "2 coordinates and needs 3"),
         ("anchors = [[", "anchors = [[[", "robot.toml"),
         ("axis = [[0.0, 1.0]]", "axis = [[0.0, 0.0]]", "direction without length"),
+        ("axis = [[0.0, 1.0]]", "axis = [[0.0, 1e-320]]", "direction without length"),
+        ("axis = [[0.0, 1.0]]", "axis = []", "`pulleys.axis` has 0 entries for 3 cables"),
+        ("radius = [0.05, 0.0, 0.04]", "radius = -0.01", r"\$.pulleys.radius"),
+        ('name = "triangle"\n', "", "missing required field `name`"),
+        ('name = "triangle"', 'name = " "', "`name` is not one line of text"),
+        ('name = "triangle"', 'name = "a\\nb"', "`name` is not one line of text"),
+        ('description = "three cables"', "description = 3", r"Expected `str`, got `int` - at `\$.description`"),
+        ('mass = "made up", ', 'mass = "", ', "`source.mass` is not one line of text"),
+        ('mass = "made up", ', "mass = 3, ", r"\$.platform.source"),
+        ('mass = "made up", ', 'mass = "made up", colour = "red", ', "`colour` needs both a value and an entry"),
+        ("mass = 2.0", "mass = 0.0", r"\$.platform.mass"),
+        ("mass = 2.0", "mass = true", "got `bool`"),
+        ("mass = 2.0", "mass = 2020-01-01", "got `date`"),
+        ("mass = 2.0", "mass = [2.0]", "got `array`"),
+        ("mass = 2.0", f"mass = {'9' * 400}", "Number out of range"),
+        ("mass = 2.0", "mass = 2.0\nmass = 3.0", "Cannot overwrite a value"),
+        ("[cables]", "[platform]\n[cables]", "twice"),
+        ("[[0.0, 0.0], [4.0, 0.0], [2.0, 3.0]]", "[]", r"length >= 1 - at `\$.cables.anchors`"),
+        ("[[0.0, 0.0], [4.0, 0.0], [2.0, 3.0]]", '"here"', r"got `str` - at `\$.cables.anchors`"),
+        ("[4.0, 0.0]", '[4.0, "x"]', r"\$.cables.anchors\[1\]\[1\]"),
+        ("[4.0, 0.0]", "[4.0, nan]", "`anchors` has an entry that is not a finite number"),
+        ("tension_min = 1.0", "tension_min = []", "`cables.tension_min` has 0 entries for 3 cables"),
+        ("tension_min = 1.0", "tension_min = inf", "`tension_min` has an entry that is not a finite number"),
+        ("[50.0, 60.0, inf]", "nan", "tension_max"),
+        ("[50.0, 60.0, inf]", "1.0", "upside down or empty"),
         ("axis = [[0.0, 1.0]]", "axis = [[0.0, 1.0], [1.0, 0.0]]", "`pulleys.axis` has 2 entries for 3 cables"),
     ),
 )
@@ -243,6 +296,49 @@ def test_a_file_no_reader_can_take(tmp_path, content):
     assert "\n" not in str(caught.value)
 
 
-def test_a_path_that_is_none():
-    with pytest.raises(InputError, match="null"):
-        load_cable_robot("robot\0.toml")
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "missing required field `name`"),
+        (bytes(range(256)), "can't decode"),
+        (b"\0" * 1000, "Invalid statement"),
+        (b"\xef\xbb\xbf", "missing required field `name`"),
+        (b'{"name": "json"}', "Invalid statement"),
+        (b".".join([b"a"] * 500) + b" = 1", "unknown field `a`"),
+        (b"a" * 3000 + b" = 1", "unknown field `a+ \\.\\.\\. a+"),
+        (b'name = "' + b"a" * (1 << 20) + b'"', "more than 1048576 bytes"),
+    ],
+    ids=("empty", "binary", "zeros", "mark", "json", "deep", "long", "huge"),
+)
+def test_content_that_is_no_robot(tmp_path, content, message):
+    path = tmp_path / "robot.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=message) as caught:
+        load_cable_robot(path)
+    assert len(str(caught.value)) < 400
+    assert "\n" not in str(caught.value)
+
+
+def test_a_byte_order_mark_and_other_line_ends_are_taken(tmp_path):
+    path = tmp_path / "robot.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + PLANAR.replace("\n", "\r\n").encode())
+    assert load_cable_robot(path).name == "triangle"
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("robot\0.toml", "null"),
+        (None, "NoneType"),
+        (5, "not int"),
+        ("a" * 5000, "too long"),
+        ("/dev/zero", "not a file"),
+    ],
+    ids=("nul", "none", "number", "long", "device"),
+)
+def test_a_path_that_leads_to_no_file(path, message):
+    with pytest.raises(InputError, match=message) as caught:
+        load_cable_robot(path)
+    with pytest.raises(InputError) as other:
+        load_caspr(path)
+    assert max(len(str(caught.value)), len(str(other.value))) < 400

@@ -27,6 +27,10 @@ BODIES = """<?xml version="1.0" encoding="utf-8"?>
   </links>
 </bodies_system>
 """
+LAUGHS = """<?xml version="1.0"?>
+<!DOCTYPE bodies_system [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;"><!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;">]>
+<bodies_system>&c;</bodies_system>
+"""
 PLANAR_ENDS = (("0 0 0", "-0.1 0 0"), ("4 0 0", "0.1 0 0"), ("4 3 0", "0.1 0.2 0"), ("0 3 0", "-0.1 0.2 0"))
 SPATIAL_ENDS = (("0 0 2", "-0.1 0 0.1"), ("4 0 2", "0.1 0 -0.1"), ("4 3 2.5", "0.1 0.2 0"))
 
@@ -161,6 +165,13 @@ def test_a_plane_off_the_origin(model):
         ("<mass>3.5</mass>", "<mass>heavy</mass>", "<mass>: 'heavy'; 1 finite number"),
         ("<mass>3.5</mass>", "<mass>nan</mass>", "<mass>: 'nan'; 1 finite number"),
         ("<mass>3.5</mass>", "<mass>-1</mass>", r"platform.mass"),
+        ("<mass>3.5</mass>", "<mass>1_0</mass>", "<mass>: '1_0'; 1 finite number"),
+        ("<mass>3.5</mass>", "<mass/>", "<mass>: ''; 1 finite number"),
+        ("<mass>3.5</mass>", f"<mass>{'9' * 9999}x</mass>", r"<mass>: '9+ \.\.\. 9+x'; 1 finite number"),
+        ("<num>0</num>", "<num>nan</num>", "<num>: 'nan'; 1 finite number"),
+        ("<force_max>101</force_max>", "<force_max>nan</force_max>", "<force_max>: 'nan'"),
+        ("<force_min>1</force_min>", "<force_min>-1</force_min>", r"cables.tension_min\[0\]"),
+        ("<Izz>0.4</Izz>", "<Izz>0</Izz>", r"platform.inertia"),
         ('ref="com"', 'ref="elbow"', "<inertia>: ref='elbow'"),
         ("0.02 -0.01 0.0", "0.02 -0.01", "<com_location>: '0.02 -0.01'; 3 finite numbers"),
         ('default_cable_set="one"', 'default_cable_set="none"', "<cables>: 0 sets with id 'none'; one of one"),
@@ -222,6 +233,12 @@ def test_missing_files_sets_and_cables(planar, tmp_path):
         (b'<?xml version="1.0" encoding="utf-32"?><bodies_system/>', "multi-byte"),
         (b"<a>" * 5000, "not XML"),
         ('<?xml version="1.0"?><bodies_system/>'.encode("utf-32"), "not XML"),
+        (b"", "no element found"),
+        (bytes(range(256)), "not well-formed"),
+        (b"<bodies_system>" + b" " * (1 << 20) + b"</bodies_system>", "more than 1048576 bytes"),
+        (LAUGHS.encode(), "defines the entity 'a'; a model without entities"),
+        (LAUGHS.replace("?>", ' encoding="utf-16"?>').encode("utf-16"), "defines the entity 'a'"),
+        (LAUGHS.replace('"ha"', 'SYSTEM "file:///etc/hostname"').encode(), "defines the entity 'a'"),
     ],
 )
 def test_files_no_reader_can_take(planar, content, message):
@@ -230,8 +247,3 @@ def test_files_no_reader_can_take(planar, content, message):
     with pytest.raises(InputError, match=message) as caught:
         load_caspr(folder)
     assert caught.value.where.endswith("Plate_bodies.xml")
-
-
-def test_a_path_that_is_none():
-    with pytest.raises(InputError):
-        load_caspr("model\0")

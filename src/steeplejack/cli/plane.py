@@ -49,7 +49,7 @@ def tensions(
     json: Json = False,
 ) -> None:
     """Tensions that hold a mass at a pose within a window (Eq. 7 and 9), or the proof that none do."""
-    from steeplejack.mechanics.cable import Status
+    from steeplejack.mechanics.cable import DistributionStatus
     from steeplejack.robots.squad.planar import PlanarSquad
 
     site, squad = planar(worksite), load_squad(robot)
@@ -70,7 +70,7 @@ def tensions(
     }
     emit(answer) if json else show(answer)
     if not feasible:
-        advice = Status(int(held.status)).name.lower()
+        advice = DistributionStatus(int(held.status)).name.lower()
         say(f"no tensions of {low:g}-{high:g} N hold {mass_kg:g} kg there: {advice}")
         raise typer.Exit(INFEASIBLE)
 

@@ -15,6 +15,7 @@ from steeplejack.cli.terminal import (
     Json,
     Robot,
     Worksite,
+    angles,
     emit,
     mass,
     planar,
@@ -34,22 +35,6 @@ if TYPE_CHECKING:
     from steeplejack.design import Load, MapSummary
 
 Pair = tuple[float, float]
-
-
-def _angles(text: str) -> list[float]:
-    """One orientation P or a range A:B:S, both ends included [rad]."""
-    parts = text.split(":")
-    try:
-        numbers = [float(part) for part in parts]
-    except ValueError:
-        numbers = []
-    if len(numbers) == 1:
-        return [math.radians(numbers[0])]
-    if len(numbers) == 3 and numbers[2] > 0.0 and numbers[0] <= numbers[1]:
-        low, high, step = numbers
-        count = math.floor((high - low) / step + 1e-9) + 1
-        return [math.radians(low + k * step) for k in range(count)]
-    raise InputError("--phi-deg", text, "P or A:B:S with A <= B and S > 0, in degrees")
 
 
 def _anchors(path: Path) -> list[list[float]]:
@@ -114,7 +99,7 @@ def tension_map(
     if out is not None:
         target(out)
     began = time.perf_counter()
-    dataset = compute(points, planar_attachments(squad), _angles(phi_deg), step_m, load)
+    dataset = compute(points, planar_attachments(squad), angles(phi_deg), step_m, load)
     summary = summarise(dataset)
     seconds = time.perf_counter() - began
     answer = _map_answer(summary, ":" in phi_deg, load is not None) | {"seconds": seconds}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
@@ -144,3 +145,19 @@ def window(option: str, low: float, high: float) -> tuple[float, float]:
     if not 0.0 <= low < high < float("inf"):
         raise InputError(option, f"{low:g} {high:g}", "two tensions in N, the smaller first, not negative")
     return float(low), float(high)
+
+
+def angles(text: str) -> list[float]:
+    """What ``--phi-deg`` says: one orientation P or a range A:B:S, both ends included [rad]."""
+    parts = text.split(":")
+    try:
+        numbers = [float(part) for part in parts]
+    except ValueError:
+        numbers = []
+    if len(numbers) == 1:
+        return [math.radians(numbers[0])]
+    if len(numbers) == 3 and numbers[2] > 0.0 and numbers[0] <= numbers[1]:
+        low, high, step = numbers
+        count = math.floor((high - low) / step + 1e-9) + 1
+        return [math.radians(low + k * step) for k in range(count)]
+    raise InputError("--phi-deg", text, "P or A:B:S with A <= B and S > 0, in degrees")

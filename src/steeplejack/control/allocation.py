@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.rest.suspension import choose, force_family, interval
+from steeplejack.robots.squad.suspension import choose, force_family, interval
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.rest.suspension import directions, residual, stiffness
+from steeplejack.mechanics.cable.rest.statics import directions, residual, tension_stiffness
 from steeplejack.spatial.rotation import turned
 
 Array = NDArray[np.float64]
@@ -128,7 +128,7 @@ def estimate(
         speeds[i] = (rates[i] - moving) / weights[0]
         square += (lengths[i] - now[i]) ** 2
     missing = residual(attachments, load, centre, rotation, u, tensions)
-    hessian = stiffness(attachments, load, centre, rotation, u, now, tensions, np.zeros(4))
+    hessian = tension_stiffness(attachments, load, centre, rotation, u, now, tensions)
     for j in range(6):
         sigma = weights[2] if j < 3 else weights[1]
         errors[4 + j] = missing[j] / sigma

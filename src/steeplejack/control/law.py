@@ -15,8 +15,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.control.allocation import allocate
-from steeplejack.mechanics.cable.rest.in_plane import plane_matrix
-from steeplejack.mechanics.cable.rest.suspension import directions
+from steeplejack.mechanics.cable.rest.statics import directions
+from steeplejack.robots.squad.in_plane import plane_matrix
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region.grid import grid_nodes, margin_grid, tension_factor_grid
-from steeplejack.mechanics.cable.tension.line import TOLERANCE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,7 +111,7 @@ def tension_map(
     margins = np.stack(
         [margin_grid(fixed, local, phi, xs, ys, wrench, *load.window, load.stays, load.pull_limit) for phi in angles]
     )
-    return _dataset(fixed, local, angles, xs, ys, step, factors, margins >= -TOLERANCE, margins)
+    return _dataset(fixed, local, angles, xs, ys, step, factors, margins >= 0.0, margins)
 
 
 def summarise(dataset: xr.Dataset) -> MapSummary:

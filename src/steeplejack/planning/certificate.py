@@ -15,7 +15,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable.region import clearance
-from steeplejack.mechanics.cable.rest import in_plane, suspension
+from steeplejack.mechanics.cable.rest import statics
+from steeplejack.robots.squad import in_plane, suspension
 from steeplejack.robots.squad.anchorage import exits, limits
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
@@ -130,7 +131,7 @@ def survey(
     out = np.empty((anchors.shape[0], points.shape[0]))
     for a in range(anchors.shape[0]):
         for j in range(points.shape[0]):
-            u, _lengths = suspension.directions(anchors[a], attachments, points[j], rotation)
+            u, _lengths = statics.directions(anchors[a], attachments, points[j], rotation)
             particular, null, independent = suspension.force_family(u, weight)
             if not independent:
                 out[a, j] = -np.inf
@@ -188,13 +189,13 @@ def certify(
         rotation, t, room = suspension.hang(
             anchors[j], attachments, weight, centre, points[j], guess, lower, pull[j], upper, target[j]
         )
-        u, lengths = suspension.directions(anchors[j], attachments, points[j], rotation)
+        u, lengths = statics.directions(anchors[j], attachments, points[j], rotation)
         for i in range(4):
             stiff[i] = cable_stiffness / lengths[i]
             ends[i] = points[j] + rotation @ attachments[i]
-        hessian = suspension.stiffness(attachments, weight, centre, rotation, u, lengths, t, stiff)
+        hessian = statics.stiffness(attachments, weight, centre, rotation, u, lengths, t, stiff)
         quality[j, 0] = room
-        quality[j, 1] = suspension.least_pivot(hessian)
+        quality[j, 1] = statics.least_pivot(hessian)
         quality[j, 2], quality[j, 3] = clearance.cable_gap(anchors[j], ends, axes, radii, own)
         quality[j, 4] = np.max(lengths)
         quality[j, 5] = 0.0
@@ -262,7 +263,7 @@ def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:
         return "the four cables do not balance the weight in space"
     if room < 0.0:
         point = scene.bay.place(place[0], place[1], place[2])
-        u, _lengths = suspension.directions(anchors, scene.attachments, point, held.rotation[0])
+        u, _lengths = statics.directions(anchors, scene.attachments, point, held.rotation[0])
         particular, null, _independent = suspension.force_family(u, scene.weight)
         lower, upper = scene.window
         bound, which = suspension.upper_bounds(u, pull, upper)

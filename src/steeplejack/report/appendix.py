@@ -9,7 +9,7 @@ import msgspec
 from steeplejack.report.html import Markup, badge, bullets, element, folded, section, table, terms
 from steeplejack.report.log import Log
 from steeplejack.report.notation import clock
-from steeplejack.robots.squad.parameters import Sourced
+from steeplejack.robots.sourced import Sourced
 
 ESTIMATE = "estimate"
 

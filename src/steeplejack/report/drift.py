@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.rest.suspension import directions, stiffness
+from steeplejack.mechanics.cable.rest.statics import directions, tension_stiffness
 
 Array = NDArray[np.float64]
 
@@ -45,11 +45,11 @@ def drift_shift(
         rotation: Planned orientations (n, 3, 3); their first two columns span the plane of control.
         tension: Tensions (n, 4) [N].
     """
-    n, none = len(position), np.zeros(4)
+    n = len(position)
     u, lengths, hessian = np.empty((n, 4, 3)), np.empty((n, 4)), np.empty((n, 6, 6))
     for j in range(n):
         u[j], lengths[j] = directions(measured[j], attachments, position[j], rotation[j])
-        hessian[j] = stiffness(attachments, weight, centre, rotation[j], u[j], lengths[j], tension[j], none)
+        hessian[j] = tension_stiffness(attachments, weight, centre, rotation[j], u[j], lengths[j], tension[j])
     arms = np.einsum("nij,kj->nki", rotation, attachments)
     moved = actual - measured
     grow = np.sum(u * moved, axis=2)

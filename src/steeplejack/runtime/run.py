@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from steeplejack.control.controller import PlatformController, Setpoint, State
 from steeplejack.errors import InputError, SteeplejackError
-from steeplejack.mechanics.cable.rest.suspension import directions, force_family
+from steeplejack.mechanics.cable.rest.statics import directions
 from steeplejack.planning.mission import Mission
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
+from steeplejack.robots.squad.suspension import force_family
 from steeplejack.runtime import recorder as log
 from steeplejack.runtime.gait import TRANSITIONS, Phase, Progress, judge
 from steeplejack.runtime.plant import Command, Measurement, Plant

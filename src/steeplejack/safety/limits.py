@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.rest.suspension import directions
+from steeplejack.mechanics.cable.rest.statics import directions
 from steeplejack.robots.squad.parameters import Squad
 
 Array = NDArray[np.float64]

@@ -1,5 +1,6 @@
 """Cable mechanics: structure, closure, bounded tensions, forward kinematics and maps of cable-driven platforms."""
 
+from steeplejack.mechanics.cable.degeneracy import is_singular, rank
 from steeplejack.mechanics.cable.measure.derivatives import (
     Gradient,
     StructureDerivatives,
@@ -35,11 +36,32 @@ from steeplejack.mechanics.cable.region.interference import (
     interference_region,
     platform_overlap,
 )
+from steeplejack.mechanics.cable.region.maps import (
+    FeasibilityMap,
+    planar_closure_map,
+    planar_feasibility_map,
+    spatial_closure_map,
+    spatial_feasibility_map,
+)
+from steeplejack.mechanics.cable.region.oriented import (
+    PoseQuestion,
+    certify_orientations,
+    certify_poses,
+    failing_turn,
+    pose_question,
+)
 from steeplejack.mechanics.cable.rest.equilibrium import Equilibrium, Rest, equilibria, natural_frequencies, settle
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
 from steeplejack.mechanics.cable.rest.lost import LostCable, LostCableMap, locked_at, lost_cable, lost_cable_map
 from steeplejack.mechanics.cable.rest.modes import Modes, natural_modes, planar_mass_matrix, spatial_mass_matrix
 from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness
+from steeplejack.mechanics.cable.status import (
+    ClosureStatus,
+    DistributionStatus,
+    FeasibilityStatus,
+    RankStatus,
+    WrenchSetStatus,
+)
 from steeplejack.mechanics.cable.structure import (
     planar_arms,
     planar_lengths,
@@ -49,45 +71,38 @@ from steeplejack.mechanics.cable.structure import (
     spatial_structure_matrix,
     spatial_vectors,
 )
-from steeplejack.mechanics.cable.tension.distribution import (
-    Status,
-    TensionDistribution,
-    certificate_gap,
-    distribute,
-)
+from steeplejack.mechanics.cable.tension.distribution import TensionDistribution, certificate_gap, distribute
 from steeplejack.mechanics.cable.tension.methods import METHODS, Method, MethodRecord
-from steeplejack.mechanics.cable.tension.nullspace import NullSpace, RankStatus, null_space
+from steeplejack.mechanics.cable.tension.nullspace import NullSpace, null_space
 from steeplejack.mechanics.cable.tension.polygon import TensionPolygon, tension_polygon
 from steeplejack.mechanics.cable.wrench.closure import (
     Closure,
-    ClosureStatus,
     in_wrench_closure,
-    is_singular,
     null_vector,
-    spatial_closure_map,
     tension_factor,
     wrench_closure,
 )
 from steeplejack.mechanics.cable.wrench.feasibility import (
     Feasibility,
-    FeasibilityStatus,
     capacity_margin,
     characteristic_length,
     wrench_feasible,
 )
 from steeplejack.mechanics.cable.wrench.load import gravity_wrench, inertial_wrench, planar_inertial_wrench
 from steeplejack.mechanics.cable.wrench.task import TaskWrenches
-from steeplejack.mechanics.cable.wrench.zonotope import WrenchSet, WrenchSetStatus, available_wrench_set
+from steeplejack.mechanics.cable.wrench.zonotope import WrenchSet, available_wrench_set
 
 __all__ = [
     "METHODS",
     "CertifiedRegion",
     "Closure",
     "ClosureStatus",
+    "DistributionStatus",
     "Equilibrium",
     "EveryPose",
     "Facets",
     "Feasibility",
+    "FeasibilityMap",
     "FeasibilityStatus",
     "ForwardKinematics",
     "Gradient",
@@ -100,12 +115,12 @@ __all__ = [
     "Modes",
     "NullSpace",
     "PlanarTrack",
+    "PoseQuestion",
     "RankStatus",
     "Rays",
     "Rest",
     "Slope",
     "SpatialTrack",
-    "Status",
     "StructureDerivatives",
     "Surroundings",
     "TaskWrenches",
@@ -124,6 +139,8 @@ __all__ = [
     "certificate_gap",
     "certified_rays",
     "certify",
+    "certify_orientations",
+    "certify_poses",
     "characteristic_length",
     "closure_box",
     "closure_rays",
@@ -134,6 +151,7 @@ __all__ = [
     "equilibria",
     "every_planar_pose",
     "every_spatial_pose",
+    "failing_turn",
     "forward_kinematics",
     "gradient",
     "gravity_wrench",
@@ -156,7 +174,9 @@ __all__ = [
     "null_space",
     "null_vector",
     "planar_arms",
+    "planar_closure_map",
     "planar_facets",
+    "planar_feasibility_map",
     "planar_inertial_wrench",
     "planar_lengths",
     "planar_mass_matrix",
@@ -166,11 +186,14 @@ __all__ = [
     "planar_vectors",
     "planar_weight_derivative",
     "platform_overlap",
+    "pose_question",
     "pose_rates",
     "pulley_runs",
+    "rank",
     "settle",
     "spatial_closure_map",
     "spatial_facets",
+    "spatial_feasibility_map",
     "spatial_lengths",
     "spatial_mass_matrix",
     "spatial_stiffness",

@@ -26,6 +26,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, numbers, spread, vectors
+
 Array = NDArray[np.float64]
 
 ON_AXIS = 1e-12  # [1] distance from the swivel axis over the distance from A below which the plane is open
@@ -110,14 +113,20 @@ def pulley_runs(anchors: ArrayLike, axes: ArrayLike, radii: ArrayLike, points: A
     Returns:
         Lengths from ``A_i`` to the attachments, wrapped arcs included, (..., m) [m]; unit vectors from the attachments
         along the free stretches, (..., m, d). Not a number where an attachment is inside its pulley or on its axis.
+
+    Raises:
+        InputError: Shapes that do not fit, or radii that are negative or not finite.
     """
-    ends = np.asarray(points, dtype=np.float64)
-    m, d = ends.shape[-2:]
+    fixed = vectors("anchors", anchors, "m", "d")
+    m, d = fixed.shape[-2:]
+    if fixed.ndim != 2 or d not in (2, 3):
+        raise InputError("anchors", f"shape {fixed.shape}", "(m, 2) or (m, 3)")
+    ends = vectors("points", points, m, d)
     lead = ends.shape[:-2]
     flat = in_space(ends.reshape(-1, m, d))
     lengths, along = np.empty(flat.shape[:2]), np.empty_like(flat)
     _run_each(
-        in_space(np.asarray(anchors, dtype=np.float64)),
+        in_space(fixed),
         unit_axes(axes, m),
         pulley_radii(radii, m),
         flat,
@@ -128,6 +137,45 @@ def pulley_runs(anchors: ArrayLike, axes: ArrayLike, radii: ArrayLike, points: A
     return lengths.reshape(*lead, m), along[..., :d].reshape(*lead, m, d)
 
 
+def course_derivatives(
+    anchors: Array, axes: ArrayLike | None, radii: ArrayLike | None, points: Array
+) -> tuple[Array, Array]:
+    """Directions of cables in space, and how they turn as their attachments move: minus the length's Hessian.
+
+    Args:
+        anchors: (..., m, 3) [m].
+        axes: Swivel axes, (m, 3); none for straight cables.
+        radii: (m,) or a scalar [m]; none for straight cables.
+        points: Attachments in the world, (..., m, 3) [m].
+
+    Returns:
+        Unit vectors from the attachments along the free stretches, (..., m, 3), and ``d2l/dB2``, symmetric,
+        (..., m, 3, 3) [1/m]: ``du = -(d2l/dB2) (dB - dA)``. Not a number for a cable without length or course.
+    """
+    m = points.shape[-2]
+    shape = leading(("anchors", anchors.shape, 2), ("points", points.shape, 2))
+    fixed, ends = spread(anchors, shape, (m, 3)), spread(points, shape, (m, 3))
+    along, bends = np.empty_like(ends), np.empty((*ends.shape, 3))
+    _bend_each(fixed, unit_axes(axes, m), pulley_radii(radii, m), ends, along, bends)
+    return along.reshape(*shape, m, 3), bends.reshape(*shape, m, 3, 3)
+
+
+@njit(cache=True)
+def _bend_each(anchors: Array, axes: Array, radii: Array, points: Array, along: Array, bends: Array) -> None:
+    """`cable_run` of every cable (m) of every pose (k) with anchors (k, m, 3): its direction and second derivative."""
+    across = np.empty(3)
+    for k in range(points.shape[0]):
+        for i in range(points.shape[1]):
+            length, inside, outside = cable_run(anchors[k], axes, radii, i, points[k, i], along[k, i], across)
+            if not length > 0.0:
+                along[k, i], inside = np.nan, np.nan
+            for a in range(3):
+                for b in range(3):
+                    bends[k, i, a, b] = (outside - inside) * across[a] * across[b]
+                    bends[k, i, a, b] -= inside * along[k, i, a] * along[k, i, b]
+                bends[k, i, a, a] += inside
+
+
 def in_space(points: Array) -> Array:
     """Points (..., 2) or (..., 3) as points (..., 3), contiguous; those of the plane at z = 0 [m]."""
     out = np.zeros((*points.shape[:-1], 3))
@@ -136,14 +184,30 @@ def in_space(points: Array) -> Array:
 
 
 def unit_axes(axes: ArrayLike | None, count: int) -> Array:
-    """Swivel axes as unit vectors (count, 3); up (z) where none are given, which straight cables do not read."""
+    """Swivel axes as unit vectors (count, 3); up (z) where none are given, which straight cables do not read.
+
+    Raises:
+        InputError: Another shape.
+    """
     if axes is None:
         return np.tile([0.0, 0.0, 1.0], (count, 1))
-    given = in_space(np.asarray(axes, dtype=np.float64))
+    given = numbers("axes", axes)
+    if given.ndim != 2 or len(given) != count or given.shape[1] not in (2, 3):
+        raise InputError("axes", f"shape {given.shape}", f"({count}, 2) in the plane or ({count}, 3) in space")
+    given = in_space(given)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.ascontiguousarray(given / np.linalg.norm(given, axis=-1, keepdims=True))
 
 
 def pulley_radii(radii: ArrayLike | None, count: int) -> Array:
-    """Radii (count,) [m]; 0 where none are given."""
-    return np.array(np.broadcast_to(0.0 if radii is None else np.asarray(radii, dtype=np.float64), (count,)))
+    """Radii (count,) [m]; 0 where none are given.
+
+    Raises:
+        InputError: Another shape, or radii that are negative or not finite.
+    """
+    given = np.zeros(()) if radii is None else numbers("radii", radii)
+    if given.shape not in ((), (count,)):
+        raise InputError("radii", f"shape {given.shape}", f"one number or {count}")
+    if not np.all((given >= 0.0) & (given < np.inf)):
+        raise InputError("radii", f"{given.tolist()}", "finite radii in metres, 0 or more")
+    return np.array(np.broadcast_to(given, (count,)))

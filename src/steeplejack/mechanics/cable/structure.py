@@ -8,8 +8,13 @@ point.
 Source: Zheng et al., CCRobot-S, IEEE T-RO, Eq. 2-6. Eq. 4 has lost a minus sign and its brackets, and Eq. 5-6 print the
 local attachment as the moment arm; it is the rotated one, ``b_i = R lB_i``, and only with it is ``dl/dx = -J`` true.
 
-Range of validity: cables taut, straight, massless and of non-zero length. A cable of zero length has no direction, so
-its column is zero and no pose with one counts as held.
+Range of validity: cables taut, straight, massless and of non-zero length.
+
+Degeneracy. What only rounding makes of a pose counts as nothing, so that no question about it (`degeneracy`) is
+answered by noise. A cable shorter than ``LENGTHLESS`` times the coordinates it is the difference of has no direction:
+its column is zero, and no pose with one counts as held. Where the moments of all cables are below
+``degeneracy.TOLERANCE`` times the longest arm (all cables through the reference point), they are zero. A coordinate
+that is not a number makes columns that are not.
 """
 
 from __future__ import annotations
@@ -17,7 +22,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
+
 Array = NDArray[np.float64]
+
+LENGTHLESS = 1e-12
+"""Cable length that counts as zero, over the size of the coordinates it is the difference of [1]."""
 
 
 def planar_arms(attachments: ArrayLike, phi: ArrayLike) -> Array:
@@ -29,9 +41,11 @@ def planar_arms(attachments: ArrayLike, phi: ArrayLike) -> Array:
 
     Returns:
         Arms from the reference point, world axes, (..., m, 2) [m].
+
+    Raises:
+        InputError: No numbers, or other shapes.
     """
-    local = np.asarray(attachments, dtype=np.float64)
-    angle = np.asarray(phi, dtype=np.float64)[..., None]
+    local, angle = _fixed("attachments", attachments, 2), numbers("phi", phi)[..., None]
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack((cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]), axis=-1)
 
@@ -46,9 +60,13 @@ def planar_vectors(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) 
 
     Returns:
         Vectors, world axes, (..., m, 2) [m].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    where = np.asarray(pose, dtype=np.float64)
-    return np.asarray(anchors, dtype=np.float64) - planar_arms(attachments, where[..., 2]) - where[..., None, :2]
+    where = vectors("pose", pose, 3)
+    arms = planar_arms(attachments, where[..., 2])
+    return _roots(anchors, arms, ("pose", where.shape, 1)) - arms - where[..., None, :2]
 
 
 def planar_lengths(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) -> Array:
@@ -61,6 +79,9 @@ def planar_lengths(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) 
 
     Returns:
         Lengths, (..., m) [m].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
     return np.linalg.norm(planar_vectors(anchors, attachments, pose), axis=-1)
 
@@ -77,10 +98,16 @@ def planar_structure_matrix(anchors: ArrayLike, attachments: ArrayLike, pose: Ar
 
     Returns:
         Rows ``fx, fy`` [1] and ``mz`` [m], (..., 3, m).
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    arms = planar_arms(attachments, np.asarray(pose, dtype=np.float64)[..., 2])
-    directions = _directions(planar_vectors(anchors, attachments, pose))
+    where = vectors("pose", pose, 3)
+    arms = planar_arms(attachments, where[..., 2])
+    roots = _roots(anchors, arms, ("pose", where.shape, 1))
+    directions = _directions(roots, arms, where[..., None, :2])
     moments = arms[..., 0] * directions[..., 1] - arms[..., 1] * directions[..., 0]
+    moments = _resisting(moments[..., None], arms)[..., 0]
     return np.stack((directions[..., 0], directions[..., 1], moments), axis=-2)
 
 
@@ -95,9 +122,12 @@ def spatial_vectors(anchors: ArrayLike, attachments: ArrayLike, position: ArrayL
 
     Returns:
         Vectors, world axes, (..., m, 3) [m].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    where = np.asarray(position, dtype=np.float64)[..., None, :]
-    return np.asarray(anchors, dtype=np.float64) - _spatial_arms(attachments, rotation) - where
+    where, arms = vectors("position", position, 3), _spatial_arms(attachments, rotation)
+    return _roots(anchors, arms, ("position", where.shape, 1)) - arms - where[..., None, :]
 
 
 def spatial_lengths(anchors: ArrayLike, attachments: ArrayLike, position: ArrayLike, rotation: ArrayLike) -> Array:
@@ -111,6 +141,9 @@ def spatial_lengths(anchors: ArrayLike, attachments: ArrayLike, position: ArrayL
 
     Returns:
         Lengths, (..., m) [m].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
     return np.linalg.norm(spatial_vectors(anchors, attachments, position, rotation), axis=-1)
 
@@ -130,19 +163,49 @@ def spatial_structure_matrix(
 
     Returns:
         Rows ``mx, my, mz`` [m] and ``fx, fy, fz`` [1], (..., 6, m).
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    directions = _directions(spatial_vectors(anchors, attachments, position, rotation))
-    moments = np.cross(_spatial_arms(attachments, rotation), directions)
+    where, arms = vectors("position", position, 3), _spatial_arms(attachments, rotation)
+    roots = _roots(anchors, arms, ("position", where.shape, 1))
+    directions = _directions(roots, arms, where[..., None, :])
+    arms = np.broadcast_to(arms, directions.shape)
+    moments = _resisting(np.cross(arms, directions), arms)
     return np.swapaxes(np.concatenate((moments, directions), axis=-1), -1, -2)
+
+
+def _fixed(where: str, points: ArrayLike, axes: int) -> Array:
+    """Points of the platform, (m, axes)."""
+    given = vectors(where, points, "m", axes)
+    if given.ndim != 2:
+        raise InputError(where, f"shape {given.shape}", f"(m, {axes})")
+    return given
 
 
 def _spatial_arms(attachments: ArrayLike, rotation: ArrayLike) -> Array:
     """``b_i = R lB_i``, (..., m, 3)."""
-    turned = np.asarray(rotation, dtype=np.float64)
-    return np.asarray(attachments, dtype=np.float64) @ np.swapaxes(turned, -1, -2)
+    return _fixed("attachments", attachments, 3) @ np.swapaxes(vectors("rotation", rotation, 3, 3), -1, -2)
 
 
-def _directions(vectors: Array) -> Array:
-    """Unit vectors along the last axis; zero where a cable has no length."""
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
+def _roots(anchors: ArrayLike, arms: Array, pose: tuple[str, tuple[int, ...], int]) -> Array:
+    """Anchors that fit the arms (..., m, d) and the leading axes of a pose."""
+    roots = vectors("anchors", anchors, arms.shape[-2], arms.shape[-1])
+    leading(("anchors", roots.shape, 2), ("attachments and rotation", arms.shape, 2), pose)
+    return roots
+
+
+def _directions(roots: Array, arms: Array, where: Array) -> Array:
+    """Unit vectors from attachments to anchors; zero where a cable has no length, NaN where a point is none."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        runs = roots - arms - where
+        lengths = np.linalg.norm(runs, axis=-1, keepdims=True)
+    least = np.maximum(np.abs(roots).max(axis=-1), np.abs(arms).max(axis=-1))[..., None]
+    least = LENGTHLESS * np.maximum(least, np.abs(where).max(axis=-1, keepdims=True))
+    return np.divide(runs, lengths, out=np.zeros_like(runs), where=~(lengths <= least))
+
+
+def _resisting(moments: Array, arms: Array) -> Array:
+    """Moments (..., m, k), all zero where none of them is above rounding."""
+    most = np.abs(moments).max(axis=(-2, -1), keepdims=True)
+    return np.where(most <= TOLERANCE * np.abs(arms).max(axis=(-2, -1), keepdims=True), 0.0, moments)

@@ -21,12 +21,15 @@ from pathlib import Path
 from typing import NoReturn
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
+from xml.parsers import expat
+from xml.parsers.expat import ExpatError
 
 import msgspec
 
 from steeplejack.errors import InputError
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
+from steeplejack.robots.cable_robot.source_file import read_source, shortened
 
 Vector = tuple[float, float, float]
 
@@ -48,7 +51,7 @@ def load_caspr(folder: str | Path, cable_set: str | None = None) -> CableRobot:
     Raises:
         InputError: No such model, or an element that is missing, malformed or not supported; the message names it.
     """
-    bodies_file, cables_file = _files(Path(folder))
+    bodies_file, cables_file = _files(folder)
     name = bodies_file.name.removesuffix("_bodies.xml")
     link = _read_link(_Node.root(bodies_file, "bodies_system"))
     cables, pulleys = _read_cables(_Node.root(cables_file, "cables"), cable_set, link)
@@ -74,12 +77,12 @@ class _Node:
 
     @classmethod
     def root(cls, file: Path, tag: str) -> _Node:
+        content = read_source(file, "a CASPR model file")
         try:
-            element = ElementTree.fromstring(file.read_bytes())
-        except OSError as error:
-            raise InputError(str(file), error.strerror or "cannot be read", "a CASPR model file") from None
-        except (ElementTree.ParseError, LookupError, ValueError, RecursionError) as error:
-            raise InputError(str(file), f"not XML: {error}", "a CASPR model file") from None
+            _refuse_entities(file, content)
+            element = ElementTree.fromstring(content)
+        except (ElementTree.ParseError, ExpatError, LookupError, ValueError, RecursionError) as error:
+            raise InputError(str(file), f"not XML: {shortened(str(error))}", "a CASPR model file") from None
         node = cls(file, element)
         if element.tag != tag:
             node.refuse(f"<{element.tag}>", f"<{tag}> at the top")
@@ -88,8 +91,9 @@ class _Node:
     def refuse(self, what: str, valid: str) -> NoReturn:
         """Raise an `InputError` about this element."""
         label = self.element.get("name") or self.element.get("id") or self.element.get("num")
-        named = f" {label!r}" if label else ""
-        raise InputError(f"{self.file.name}, <{self.element.tag}>{named}", what, valid)
+        named = f" {shortened(label)!r}" if label else ""
+        where = f"{self.file.name}, <{shortened(self.element.tag)}>{named}"
+        raise InputError(where, shortened(what), valid)
 
     def children(self) -> list[_Node]:
         return [_Node(self.file, child) for child in self.element]
@@ -110,7 +114,7 @@ class _Node:
     def numbers(self, count: int) -> tuple[float, ...]:
         words = (self.element.text or "").split()
         try:
-            values = tuple(float(word) for word in words)
+            values = tuple(float(word) for word in words if "_" not in word)  # Python's own 1_000 is no XML number
         except ValueError:
             values = ()
         if len(values) != count or not all(map(math.isfinite, values)):
@@ -135,14 +139,32 @@ class _Link:
     height: float
 
 
-def _files(path: Path) -> tuple[Path, Path]:
+def _refuse_entities(file: Path, content: bytes) -> None:
+    """Refuse a file that defines entities of its own: no model needs them, and a few lines of them fill a memory."""
+
+    def refuse(name: str, *_declared: object) -> NoReturn:
+        raise InputError(str(file), f"defines the entity {shortened(name)!r}", "a model without entities")
+
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler = refuse
+    parser.Parse(content, True)
+
+
+def _files(folder: str | Path) -> tuple[Path, Path]:
     """The two files of a model."""
-    if path.is_file():
-        stem = path.name.removesuffix("_bodies.xml").removesuffix("_cables.xml")
-        return path.with_name(f"{stem}_bodies.xml"), path.with_name(f"{stem}_cables.xml")
-    found = sorted(path.glob("*_bodies.xml"))
+    valid = "the folder of one CASPR model"
+    try:
+        path = Path(folder)
+        if path.is_file():
+            stem = path.name.removesuffix("_bodies.xml").removesuffix("_cables.xml")
+            return path.with_name(f"{stem}_bodies.xml"), path.with_name(f"{stem}_cables.xml")
+        found = sorted(path.glob("*_bodies.xml"))
+    except OSError as error:
+        raise InputError(shortened(str(folder)), error.strerror or "cannot be read", valid) from None
+    except (TypeError, ValueError) as error:  # no path at all, or one with a NUL in it
+        raise InputError(repr(folder), shortened(str(error)), valid) from None
     if len(found) != 1:
-        raise InputError(str(path), f"{len(found)} files *_bodies.xml", "the folder of one CASPR model")
+        raise InputError(str(path), f"{len(found)} files *_bodies.xml", valid)
     return found[0], found[0].with_name(found[0].name.removesuffix("_bodies.xml") + "_cables.xml")
 
 

@@ -11,6 +11,7 @@ import msgspec
 from steeplejack.errors import InputError
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
+from steeplejack.robots.cable_robot.source_file import read_source, shortened
 
 BUILT_IN = ("ccrobot-s-planar", "planar-4-4", "kntu-planar", "ipanema-2", "cogiro")
 
@@ -62,15 +63,8 @@ def read_parameters(robot: str | Path) -> Parameters:
     if str(robot) in BUILT_IN:
         text = files("steeplejack.robots.cable_robot").joinpath("data", f"{robot}.toml").read_bytes()
     else:
-        try:
-            text = Path(robot).read_bytes()
-        except OSError as error:
-            what = error.strerror or "cannot be read"
-            raise InputError(str(robot), what, f"a TOML robot file or one of {', '.join(BUILT_IN)}") from None
-        except ValueError as error:  # a path with a NUL in it
-            raise InputError(repr(str(robot)), str(error), "the path of a TOML robot file") from None
+        text = read_source(robot, f"a TOML robot file or one of {', '.join(BUILT_IN)}")
     try:
         return msgspec.toml.decode(text, type=Parameters)
     except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:
-        what = str(error).replace("\n", " ")
-        raise InputError(str(robot), what, "see the built-in cogiro.toml for every field") from None
+        raise InputError(str(robot), shortened(str(error)), "see the built-in cogiro.toml for every field") from None

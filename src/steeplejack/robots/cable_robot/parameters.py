@@ -19,6 +19,9 @@ Dimension = Literal["planar", "spatial"]
 AXES: dict[Dimension, int] = {"planar": 2, "spatial": 3}
 """Coordinates of a point."""
 
+SHORTEST_AXIS = 1e-9
+"""Length of a direction below which it is none [1]."""
+
 
 class Sourced(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A table of values, each with its source or the word "estimate"."""
@@ -30,6 +33,8 @@ class Sourced(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         names = {name for name in self.__struct_fields__ if name != "source" and getattr(self, name) is not None}
         for name in sorted(names ^ set(self.source)):
             raise ValueError(f"`{name}` needs both a value and an entry under `source`")
+        for name, text in self.source.items():
+            _need_line(f"source.{name}", text)
         for name in sorted(names):
             for number in _numbers(getattr(self, name)):
                 if math.isnan(number) or (math.isinf(number) and name != "tension_max"):
@@ -92,6 +97,8 @@ class Parameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit each other."""
+        for name in ("name", "description"):
+            _need_line(name, getattr(self, name))
         count, axes = len(self.cables.anchors), AXES[self.dimension]
         for name in ("anchors", "attachments"):
             _need_points(f"cables.{name}", getattr(self.cables, name), count, axes)
@@ -103,7 +110,7 @@ class Parameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
         if self.pulleys is not None:
             _need_count("pulleys.radius", self.pulleys.radius, count)
             _need_points("pulleys.axis", self.pulleys.axis, 1 if len(self.pulleys.axis) == 1 else count, axes)
-            if any(math.hypot(*axis) == 0.0 for axis in self.pulleys.axis):
+            if any(math.hypot(*axis) < SHORTEST_AXIS for axis in self.pulleys.axis):
                 raise ValueError("`pulleys.axis` has a direction without length")
 
 
@@ -112,6 +119,11 @@ def _numbers(value: object) -> tuple[float, ...]:
     if isinstance(value, tuple):
         return tuple(number for part in value for number in _numbers(part))  # pyright: ignore[reportUnknownVariableType]
     return (value,) if isinstance(value, float) else ()
+
+
+def _need_line(name: str, text: str) -> None:
+    if not text.strip() or len(text.splitlines()) > 1:
+        raise ValueError(f"`{name}` is not one line of text")
 
 
 def _need_points(name: str, points: tuple[Point, ...], count: int, axes: int) -> None:
@@ -131,7 +143,7 @@ def _need_windows(cables: Cables, count: int) -> None:
     lows, highs = (v if isinstance(v, tuple) else (v,) * count for v in (cables.tension_min, cables.tension_max))
     for index, (low, high) in enumerate(zip(lows, highs, strict=True)):
         if not low < high:
-            raise ValueError(f"tension window [{low}, {high}] of cable {index + 1} is upside down")
+            raise ValueError(f"tension window [{low}, {high}] of cable {index + 1} is upside down or empty")
 
 
 def _need_inertia(platform: Platform, dimension: Dimension) -> None:

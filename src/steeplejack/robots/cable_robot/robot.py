@@ -7,6 +7,7 @@ of the platform frame, world axes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.pulleys import pulley_runs
+from steeplejack.mechanics.cable.rest.locked import LockedPlatform
+from steeplejack.mechanics.cable.rest.lost import locked_at
 from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_mass_matrix
 from steeplejack.mechanics.cable.rest.stiffness import cable_rates, planar_stiffness, spatial_stiffness, turn_about_z
 from steeplejack.mechanics.cable.structure import (
@@ -171,6 +174,46 @@ class CableRobot:
             phi = np.asarray(pose, dtype=np.float64)[..., 2]
             return planar_mass_matrix(self.mass, self.inertia, self.centre_of_mass, phi)
         return spatial_mass_matrix(self.mass, self.inertia, self.centre_of_mass, turn)
+
+    def locked(
+        self,
+        gravity: ArrayLike,
+        pose: ArrayLike,
+        rotation: ArrayLike | None = None,
+        tensions: ArrayLike | None = None,
+    ) -> LockedPlatform:
+        """The platform with its winches locked at one pose, for `settle`, `equilibria` and `lost_cable`.
+
+        Args:
+            gravity: Of the worksite, (d,) [m/s2].
+            pose: As of `lengths`, one.
+            rotation: As of `lengths`, one.
+            tensions: In the cables at that pose, which stretch by the robot's axial stiffness, (m,) or a scalar [N];
+                cables that do not stretch where None.
+
+        Returns:
+            The platform with the lengths it has at that pose.
+
+        Raises:
+            InputError: Tensions without a known axial stiffness, or a rotation is missing or too many.
+        """
+        if tensions is not None and self.axial_stiffness is None:
+            raise InputError(f"robot {self.name}", "no axial stiffness", "cables.axial_stiffness in its file")
+        free, planar = self.lengths(pose, rotation), self.dimension == "planar"
+        platform = (LockedPlatform.planar if planar else LockedPlatform.spatial)(
+            self.anchors,
+            self.attachments,
+            free,
+            self.mass * np.asarray(gravity, dtype=np.float64),
+            axial_stiffness=np.inf if tensions is None or self.axial_stiffness is None else self.axial_stiffness,
+            centre=self.centre_of_mass,
+            radii=self.pulley_radii,
+            axes=self.pulley_axes,
+            gyration=math.sqrt(np.mean(np.linalg.eigvalsh(np.atleast_2d(self.inertia))) / self.mass),
+        )
+        place = np.asarray(pose, dtype=np.float64)
+        turn = place[2] if rotation is None else rotation
+        return locked_at(platform, place[: len(self.centre_of_mass)], turn, 0.0 if tensions is None else tensions)
 
     def _turn(self, pose: ArrayLike, rotation: ArrayLike | None) -> Array:
         """Rotation from platform to world, (..., 3, 3)."""

@@ -54,7 +54,7 @@ def facing(bay: Bay, s: Array, target: Array) -> Array:
 
 
 def limits(squad: Squad, tangents: Array, arms: Array, reserve: float, driving: int | None) -> Array:
-    """Linear limits (..., 2, 4, 4) on the four tensions, see ``mechanics.cable.rest.suspension.upper_bounds``.
+    """Linear limits (..., 2, 4, 4) on the four tensions, see ``robots.squad.suspension.upper_bounds``.
 
     Pull along the stay at most the hold force, or the drive force less the base's own acceleration for the base under
     way; twist about the stay ``|t u . (tangent x arm)|`` at most the palms' torque. Both lowered by ``reserve`` [1].

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from steeplejack.robots.squad.parameters import Sourced, Squad
+from steeplejack.robots.sourced import Sourced
+from steeplejack.robots.squad.parameters import Squad
 
 
 def differing(one: Squad, other: Squad) -> tuple[str, ...]:

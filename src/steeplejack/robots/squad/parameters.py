@@ -1,39 +1,12 @@
-"""CCRobot-S as data: one TOML file decoded once into frozen structs, SI, every value with its source.
-
-Each table of the file carries a second table ``source`` with the same keys. A value without a source, an unknown key,
-a negative mass or a window upside down is refused with the path of the field.
-"""
+"""CCRobot-S as data: one TOML file decoded once into frozen structs, SI, every value with its source."""
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
 
 import msgspec
 
-from steeplejack.errors import InputError
-
-Vector = tuple[float, float, float]
-Window = tuple[float, float]
-Positive = Annotated[float, msgspec.Meta(gt=0.0)]
-NonNegative = Annotated[float, msgspec.Meta(ge=0.0)]
-
-
-class Sourced(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A table of values, each with its source or the word "estimate"."""
-
-    source: dict[str, str]
-
-    def __post_init__(self) -> None:
-        """Refuse a value without a source and a window upside down."""
-        names = {field for field in self.__struct_fields__ if field != "source"}
-        for name in sorted(names ^ set(self.source)):
-            raise ValueError(f"`{name}` needs both a value and an entry under `source`")
-        for name in sorted(names):
-            value = getattr(self, name)
-            if isinstance(value, tuple) and len(value) == 2 and not value[0] < value[1]:  # pyright: ignore
-                raise ValueError(f"`{name}` = {list(value)} is upside down")  # pyright: ignore[reportUnknownArgumentType]
+from steeplejack.robots.sourced import NonNegative, Positive, Sourced, Vector, Window, load_machine
 
 
 class Platform(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -192,18 +165,4 @@ def load_squad(robot: str | Path = BUILT_IN) -> Squad:
     Raises:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
-    if str(robot) == BUILT_IN:
-        text = files("steeplejack.robots.squad").joinpath("ccrobot_s.toml").read_bytes()
-    else:
-        try:
-            text = Path(robot).read_bytes()
-        except OSError as error:
-            raise InputError(
-                str(robot), error.strerror or "cannot be read", f"a TOML robot file or {BUILT_IN}"
-            ) from None
-    try:
-        return msgspec.toml.decode(text, type=Squad)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            str(robot), str(error).replace("\n", " "), "see the built-in ccrobot_s.toml for every field"
-        ) from None
+    return load_machine(robot, BUILT_IN, "steeplejack.robots.squad", Squad)

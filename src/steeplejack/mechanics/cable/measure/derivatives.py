@@ -1,17 +1,20 @@
 """Exact derivatives of structure matrices, and of measures of them, in the pose, the anchors and the attachments.
 
-Of a column ``(r x u; u)`` with arm ``r = R b``, direction ``u``, length ``l`` and ``P = (I - u u^T) / l``
+Of a column ``(r x u; u)`` with arm ``r = R b`` and direction ``u`` of a cable of length ``l``, P its second derivative
+in the attachment's place (``(I - u u^T) / l`` of a straight cable; see `pulleys` for the others)
 
     du = P (dA - dr - dp),        d(r x u) = dr x u + r x du,        dr = w x r + R db,
 
-where the pose moves by a displacement ``dp`` and a rotation ``exp([w]x) R``, both in world axes: pose coordinates are
-(rotation; displacement) for spatial robots and ``(x, y, phi)`` for planar ones. A column depends on its own anchor and
-attachment only, so nothing larger than (n, m, n) is stored.
+where an anchor A takes its pulley along, whose axis and radius stay, and the pose moves by a displacement ``dp`` and a
+rotation ``exp([w]x) R``, both in world axes: pose coordinates are (rotation; displacement) for spatial robots and
+``(x, y, phi)`` for planar ones. A column depends on its own anchor and attachment only, so nothing larger than
+(n, m, n) is stored.
 
 A measure of the structure matrix (`slopes`: tension factor, margins) has a slope in each of its entries; `gradient`
 multiplies the two and adds what a wrench that moves with the pose contributes.
 
-Range of validity: straight cables. A cable of zero length has no derivative: its entries are not a number.
+Range of validity: taut, massless cables, straight or over swivelling pulleys. A cable of zero length, or with its
+attachment inside its pulley or on the swivel axis, has no derivative: its entries are not a number.
 """
 
 from __future__ import annotations
@@ -21,11 +24,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, vectors
 from steeplejack.mechanics.cable.measure.slopes import Slope
-from steeplejack.mechanics.cable.pulleys import in_space
+from steeplejack.mechanics.cable.pulleys import course_derivatives, in_space
 from steeplejack.mechanics.cable.rest.modes import cross_matrix
 from steeplejack.mechanics.cable.rest.stiffness import PLANAR_ROWS, turn_about_z
-from steeplejack.mechanics.cable.structure import spatial_vectors
 
 Array = NDArray[np.float64]
 
@@ -65,23 +69,36 @@ class Gradient:
     smooth: NDArray[np.bool_]
 
 
-def planar_structure_derivatives(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) -> StructureDerivatives:
+def planar_structure_derivatives(
+    anchors: ArrayLike,
+    attachments: ArrayLike,
+    pose: ArrayLike,
+    axes: ArrayLike | None = None,
+    radii: ArrayLike | None = None,
+) -> StructureDerivatives:
     """Derivatives of a planar structure matrix.
 
     Args:
         anchors: (..., m, 2) [m].
         attachments: In the platform frame, (m, 2) [m].
         pose: ``(x, y, phi)``, (..., 3) [m, m, rad].
+        axes: Swivel axes of pulleys in the plane, (m, 2); none for straight cables.
+        radii: Of the pulleys, (m,) or a scalar [m].
 
     Returns:
         Derivatives with n = 3, d = 2.
+
+    Raises:
+        InputError: Shapes that do not fit, or radii that are negative or not finite.
     """
-    where = np.asarray(pose, dtype=np.float64)
+    where = vectors("pose", pose, 3)
     full = spatial_structure_derivatives(
-        in_space(np.asarray(anchors, dtype=np.float64)),
-        in_space(np.asarray(attachments, dtype=np.float64)),
+        in_space(vectors("anchors", anchors, "m", 2)),
+        in_space(vectors("attachments", attachments, "m", 2)),
         in_space(where[..., :2]),
         turn_about_z(where[..., 2]),
+        axes,
+        radii,
     )
     return StructureDerivatives(
         full.pose[..., PLANAR_ROWS, :, :][..., PLANAR_ROWS],
@@ -91,7 +108,12 @@ def planar_structure_derivatives(anchors: ArrayLike, attachments: ArrayLike, pos
 
 
 def spatial_structure_derivatives(
-    anchors: ArrayLike, attachments: ArrayLike, position: ArrayLike, rotation: ArrayLike
+    anchors: ArrayLike,
+    attachments: ArrayLike,
+    position: ArrayLike,
+    rotation: ArrayLike,
+    axes: ArrayLike | None = None,
+    radii: ArrayLike | None = None,
 ) -> StructureDerivatives:
     """Derivatives of a spatial structure matrix.
 
@@ -100,17 +122,22 @@ def spatial_structure_derivatives(
         attachments: In the platform frame, (m, 3) [m].
         position: (..., 3) [m].
         rotation: From platform to world, (..., 3, 3).
+        axes: Swivel axes of pulleys, (m, 3); none for straight cables.
+        radii: Of the pulleys, (m,) or a scalar [m].
 
     Returns:
         Derivatives with n = 6, d = 3.
+
+    Raises:
+        InputError: Shapes that do not fit, or radii that are negative or not finite.
     """
-    vectors = spatial_vectors(anchors, attachments, position, rotation)
-    turn = np.asarray(rotation, dtype=np.float64)
-    arms = np.broadcast_to(np.asarray(attachments, dtype=np.float64) @ np.swapaxes(turn, -1, -2), vectors.shape)
-    lengths = np.linalg.norm(vectors, axis=-1)[..., None]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        directions = vectors / lengths
-        bend = (np.eye(3) - directions[..., :, None] * directions[..., None, :]) / lengths[..., None]
+    local = vectors("attachments", attachments, "m", 3)
+    m = local.shape[-2]
+    fixed, place = vectors("anchors", anchors, m, 3), vectors("position", position, 3)
+    turn = vectors("rotation", rotation, 3, 3)
+    shape = leading(("anchors", fixed.shape, 2), ("position", place.shape, 1), ("rotation", turn.shape, 2))
+    arms = np.broadcast_to(local @ np.swapaxes(turn, -1, -2), (*shape, m, 3))
+    directions, bend = course_derivatives(fixed, axes, radii, place[..., None, :] + arms)
     lever, pull, towards = cross_matrix(arms), cross_matrix(directions), turn[..., None, :, :]
     turned = bend @ lever
     return StructureDerivatives(
@@ -134,8 +161,8 @@ def planar_weight_derivative(weight: ArrayLike, centre: ArrayLike, pose: ArrayLi
     Returns:
         (..., 3, 3).
     """
-    turn = turn_about_z(np.asarray(pose, dtype=np.float64)[..., 2])
-    force, point = (in_space(np.asarray(value, dtype=np.float64)) for value in (weight, centre))
+    turn = turn_about_z(vectors("pose", pose, 3)[..., 2])
+    force, point = in_space(vectors("weight", weight, 2)), in_space(vectors("centre", centre, 2))
     return spatial_weight_derivative(force, point, turn)[..., PLANAR_ROWS[:, None], PLANAR_ROWS]
 
 
@@ -150,10 +177,10 @@ def spatial_weight_derivative(weight: ArrayLike, centre: ArrayLike, rotation: Ar
     Returns:
         (..., 6, 6); only the moments in the rotations are not zero.
     """
-    turn = np.asarray(rotation, dtype=np.float64)
+    turn = vectors("rotation", rotation, 3, 3)
     out = np.zeros((*turn.shape[:-2], 6, 6))
-    arm = turn @ np.asarray(centre, dtype=np.float64)
-    out[..., :3, :3] = cross_matrix(np.asarray(weight, dtype=np.float64)) @ cross_matrix(arm)
+    arm = turn @ vectors("centre", centre, 3)
+    out[..., :3, :3] = cross_matrix(vectors("weight", weight, 3)) @ cross_matrix(arm)
     return out
 
 
@@ -168,10 +195,17 @@ def gradient(slope: Slope, derivatives: StructureDerivatives, wrench: ArrayLike 
 
     Returns:
         Value, gradient and whether it is one.
+
+    Raises:
+        InputError: Slope and derivatives of different structure matrices.
     """
+    n, m = slope.structure.shape[-2:]
+    if derivatives.pose.shape[-3:-1] != (n, m):
+        found = f"of {derivatives.pose.shape[-3:-1]} structure matrices"
+        raise InputError("derivatives", found, f"those of ({n}, {m}), as the slope")
     pose = np.einsum("...nm,...nmk->...k", slope.structure, derivatives.pose)
     if wrench is not None:
-        pose = pose + np.einsum("...n,...nk->...k", slope.wrench, np.asarray(wrench, dtype=np.float64))
+        pose = pose + np.einsum("...n,...nk->...k", slope.wrench, vectors("wrench", wrench, n, n))
     return Gradient(
         slope.value,
         pose,

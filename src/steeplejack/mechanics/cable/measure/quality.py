@@ -12,22 +12,22 @@ manipulators", J. Mechanical Design 113(3), 1991; Verhoeven, *Analysis of the wo
 platforms*, Duisburg 2004, on the choice of length. That cables only pull is not seen: a well-conditioned pose may be
 outside wrench closure, so read it beside the tension factor.
 
-Policy: dexterity is 0 and the condition number infinite where the rank is deficient (a singular value below 1e-12 of
-the largest); both are not a number where an entry is.
+Policy: dexterity is 0 and the condition number infinite where the pose is singular, and both are not a number where it
+is undefined, as `degeneracy` defines both; what is singular does not depend on the characteristic length.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import characteristic, structures_of
+from steeplejack.mechanics.cable.degeneracy import decide, rank
 from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
 
 Array = NDArray[np.float64]
-
-RANK = 1e-12
-"""Share of the largest singular value below which one counts as zero [1]."""
 
 
 def normalised_structure(structure: ArrayLike, length: float) -> Array:
@@ -43,13 +43,8 @@ def normalised_structure(structure: ArrayLike, length: float) -> Array:
     Raises:
         InputError: A length that is not positive, or other rows.
     """
-    matrix = np.asarray(structure, dtype=np.float64)
-    rows = matrix.shape[-2]
-    if not 0.0 < length < np.inf:
-        raise InputError("characteristic length", f"{length}", "a positive length in metres")
-    if rows not in (3, 6):
-        raise InputError("structure matrix", f"{rows} rows", "3 rows (fx, fy, mz) or 6 rows (moment; force)")
-    return matrix / row_lengths(rows, length)[:, None]
+    matrices, lead = structures_of(structure)
+    return (matrices * _scales(matrices.shape[1], length)[:, None]).reshape(*lead, *matrices.shape[1:])
 
 
 def dexterity(structure: ArrayLike, length: float) -> Array:
@@ -60,23 +55,56 @@ def dexterity(structure: ArrayLike, length: float) -> Array:
         length: Characteristic length, see `characteristic_length` [m].
 
     Returns:
-        In [0, 1], 0 where singular, (...) [1].
+        In [0, 1], 0 where singular, not a number where undefined, (...) [1].
+
+    Raises:
+        InputError: A length that is not positive, or other rows.
     """
-    matrix = normalised_structure(structure, length)
-    if matrix.shape[-1] < matrix.shape[-2]:
-        return np.zeros(matrix.shape[:-2])
-    known = np.asarray(np.isfinite(matrix).all(axis=(-2, -1)))
-    values = np.linalg.svd(np.where(known[..., None, None], matrix, 0.0), compute_uv=False)
-    most, least = values[..., 0], values[..., -1]
-    ratio = np.divide(least, most, out=np.zeros_like(most), where=least > RANK * most)
-    return np.where(known, ratio, np.nan)
+    matrices, lead = structures_of(structure)
+    n = matrices.shape[1]
+    ranks, out = rank(matrices), np.full(len(matrices), np.nan)
+    _evenness_each(matrices, _scales(n, length), ranks, out)
+    return out.reshape(lead)
 
 
 def condition_number(structure: ArrayLike, length: float) -> Array:
-    """Greatest over least singular value of the normalised structure matrix; arguments as of `dexterity`.
+    """Greatest over least singular value of the normalised structure matrix; arguments and errors as of `dexterity`.
 
     Returns:
-        At least 1, infinite where singular, (...) [1].
+        At least 1, infinite where singular, not a number where undefined, (...) [1].
     """
     with np.errstate(divide="ignore"):
         return 1.0 / dexterity(structure, length)
+
+
+@njit(cache=True)
+def evenness(structure: Array, scale: Array) -> float:
+    """Least over greatest singular value [1] of one matrix (n, m) of finite numbers, its rows multiplied by a scale.
+
+    Args:
+        structure: (n, m).
+        scale: One over the characteristic length for moments, 1 for forces (n,).
+    """
+    n, m = structure.shape
+    sizes = np.empty(n)
+    decide(structure, scale, np.empty((n, m)), np.empty((n, n)), sizes)
+    most = np.max(sizes)
+    return np.min(sizes) / most if most > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _evenness_each(structures: Array, scale: Array, ranks: NDArray[np.int64], out: Array) -> None:
+    """`evenness` of every matrix of a batch, 0 where the rank is deficient; undefined ones are left alone."""
+    for k in range(structures.shape[0]):
+        if ranks[k] == structures.shape[1]:
+            out[k] = evenness(structures[k], scale)
+        elif ranks[k] >= 0:
+            out[k] = 0.0
+
+
+def _scales(rows: int, length: float) -> Array:
+    """What each row is multiplied by, (n,)."""
+    scale = characteristic(length)
+    if rows not in (3, 6):
+        raise InputError("structure", f"{rows} rows", "3 rows (fx, fy, mz) or 6 rows (moment; force)")
+    return 1.0 / row_lengths(rows, scale)

@@ -5,11 +5,15 @@ A pose *explains* measured lengths if ``|l(x) - l_o| <= tolerance`` over all cab
 reported one, in which no two poses share their lengths; how far another explanation could lie from the reported pose
 inside that box is reported too. What could not be decided is returned, and the search is then not `complete`.
 
-Range of validity: straight cables of known length under load. Planar robots are searched over any box and all angles,
-by default over one that holds every pose there is: a cable of length l from an anchor A to an attachment b keeps the
-platform within ``l + |b| + tolerance`` of A, whatever the angle, and so in the intersection of those boxes;
-spatial ones over a stated box about a nominal pose, angles within a right angle of it. At a singular pose lengths are
-unique in no box around it, so the search cannot complete: an honest answer, as two solutions meet there.
+Range of validity: cables of known length under load, straight or over swivelling pulleys, arcs on the pulleys included
+(`bounds`). Planar robots are searched over any box and all angles, by default over one that holds every pose there is:
+a cable of length l from an anchor A to an attachment b keeps the platform within ``l + |b| + tolerance`` of A, whatever
+the angle and the pulley, and so in the intersection of those boxes; spatial ones over a stated box about a nominal
+pose, angles within a right angle of it. At a singular pose lengths are unique in no box around it, so the search cannot
+complete: an honest answer, as two solutions meet there. The same holds where an attachment touches its pulley.
+
+What is proved is proved of the numbers as they are stored here, in units of the longest cable and axes of unit length:
+rounded once, by 1e-16, a ten-thousandth of the least tolerance.
 """
 
 from __future__ import annotations
@@ -20,9 +24,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import numbers
+from steeplejack.mechanics.cable.pose.given import LARGEST, Geometry, geometry
 from steeplejack.mechanics.cable.pose.global_search import search
 from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, track_planar, track_spatial
-from steeplejack.mechanics.cable.pulleys import in_space
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -82,6 +87,8 @@ def every_planar_pose(
     anchors: ArrayLike,
     attachments: ArrayLike,
     *,
+    radii: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
     low: ArrayLike | None = None,
     high: ArrayLike | None = None,
     tolerance: float | None = None,
@@ -90,9 +97,11 @@ def every_planar_pose(
     """Every pose of a planar robot that explains cable lengths.
 
     Args:
-        lengths: Under load, (m,) with m >= 3 [m].
+        lengths: Under load, arcs on pulleys included, (m,) with m >= 3 [m].
         anchors: (m, 2) [m].
         attachments: In the platform frame, (m, 2) [m].
+        radii: Of the pulleys, (m,) or a scalar [m]; straight cables where not given.
+        axes: Swivel axes in the plane, see `pulleys`, (m, 2); needed with radii.
         low: Least ``(x, y, phi)`` of the search, (3,) [m, m, rad]; by default, with ``high``, a box that holds every
             pose that explains the lengths, and all angles.
         high: Greatest, (3,) [m, m, rad].
@@ -105,22 +114,24 @@ def every_planar_pose(
     Raises:
         InputError: A shape does not fit or a number is not usable.
     """
-    measured, fixed, local, enough = _checked(lengths, anchors, attachments, 2, 3, tolerance)
-    around, beyond = _reachable(measured, fixed[:, :2], local[:, :2], enough)
-    if low is None and high is None and not np.all(around < beyond):
-        return _none(around, beyond)
-    least = around if low is None else np.array(low, np.float64)
-    most = beyond if high is None else np.array(high, np.float64)
-    _check_box(least, most, 3)
+    robot = geometry(anchors, attachments, radii, axes, 2)
+    measured, enough = _measured(lengths, len(robot[0]), tolerance)
+    _check_budget(budget)
+    least, most = _reachable(measured, robot[0][:, :2], robot[3][:, :2], enough)
+    if low is None and high is None and not np.all(least < most):
+        return _none(least, most)
+    least, most = least if low is None else _bound(low, 3), most if high is None else _bound(high, 3)
+    _check_box(least, most)
     grid = [a + (b - a) * (np.arange(k) + 0.5) / k for a, b, k in zip(least, most, (4, 4, 8), strict=True)]
     starts = np.stack([axis.ravel() for axis in np.meshgrid(*grid)], axis=-1)
+    copies = np.broadcast_to(measured, (len(starts), len(measured)))
     seeds = track_planar(
-        np.broadcast_to(measured, (len(starts), len(measured))), fixed[:, :2], local[:, :2], starts, tolerance=enough
+        copies, robot[0][:, :2], robot[3][:, :2], starts, radii=robot[2], axes=robot[1][:, :2], tolerance=enough
     )
     reached = seeds.status == TrackingStatus.CONVERGED
     unknowns = np.zeros((int(reached.sum()), 6))
     unknowns[:, PLANAR_UNKNOWNS] = seeds.pose[reached]
-    return _searched(measured, fixed, local, least, most, PLANAR_UNKNOWNS, np.eye(3), enough, budget, unknowns)
+    return _searched(measured, robot, least, most, PLANAR_UNKNOWNS, np.eye(3), enough, budget, unknowns)
 
 
 def every_spatial_pose(
@@ -132,19 +143,23 @@ def every_spatial_pose(
     half_widths: ArrayLike,
     half_angles: ArrayLike,
     *,
+    radii: ArrayLike | None = None,
+    axes: ArrayLike | None = None,
     tolerance: float | None = None,
     budget: int = 200_000,
 ) -> EveryPose:
     """Every pose of a spatial robot near a nominal one that explains cable lengths.
 
     Args:
-        lengths: Under load, (m,) with m >= 6 [m].
+        lengths: Under load, arcs on pulleys included, (m,) with m >= 6 [m].
         anchors: (m, 3) [m].
         attachments: In the platform frame, (m, 3) [m].
         position: Middle of the search, (3,) [m].
         rotation: ``R_0`` in the middle of the search, (3, 3).
         half_widths: Of the box of positions, (3,) or a scalar [m].
         half_angles: Of a, b, c in ``R = Rz(c) Ry(b) Rx(a) R_0``, (3,) or a scalar, b below a right angle [rad].
+        radii: Of the pulleys, (m,) or a scalar [m]; straight cables where not given.
+        axes: Swivel axes, see `pulleys`, (m, 3); needed with radii.
         tolerance: Residual up to which a pose explains the lengths [m]; a millionth of the longest by default.
         budget: Boxes to examine at most.
 
@@ -154,32 +169,29 @@ def every_spatial_pose(
     Raises:
         InputError: A shape does not fit or a number is not usable.
     """
-    measured, fixed, local, enough = _checked(lengths, anchors, attachments, 3, 6, tolerance)
-    place, turn = np.asarray(position, dtype=np.float64), rotation_matrix(rotation, "rotation")
+    robot = geometry(anchors, attachments, radii, axes, 3)
+    measured, enough = _measured(lengths, len(robot[0]), tolerance)
+    _check_budget(budget)
+    place, turn = numbers("position", position), rotation_matrix(rotation, "rotation")
     if place.shape != (3,) or not np.isfinite(place).all():
         raise InputError("position", f"shape {place.shape}", "a finite point (3,) in metres")
     if turn.shape != (3, 3):
         raise InputError("rotation", f"shape {turn.shape}", "one rotation matrix (3, 3)")
-    half = np.concatenate(
-        [np.broadcast_to(np.asarray(value, dtype=np.float64), (3,)) for value in (half_widths, half_angles)]
-    )
-    middle = np.concatenate((place, np.zeros(3)))
-    _check_box(middle - half, middle + half, 6)
+    half = np.concatenate([_half("half_widths", half_widths), _half("half_angles", half_angles)])
     if not half[4] < 0.5 * np.pi:
         raise InputError("half_angles", f"{half[4]:g} rad about y", "below a right angle")
-    seed = track_spatial(measured, fixed, local, place, turn, tolerance=enough)
+    middle = np.concatenate((place, np.zeros(3)))
+    _check_box(middle - half, middle + half)
+    seed = track_spatial(measured, robot[0], robot[3], place, turn, radii=robot[2], axes=robot[1], tolerance=enough)
     unknowns = np.zeros((1 if seed.status == TrackingStatus.CONVERGED else 0, 6))
     if len(unknowns):
         unknowns[0] = np.concatenate((seed.position, _angles(seed.rotation @ turn.T)))
-    return _searched(
-        measured, fixed, local, middle - half, middle + half, SPATIAL_UNKNOWNS, turn, enough, budget, unknowns
-    )
+    return _searched(measured, robot, middle - half, middle + half, SPATIAL_UNKNOWNS, turn, enough, budget, unknowns)
 
 
 def _searched(
     lengths: Array,
-    anchors: Array,
-    attachments: Array,
+    robot: Geometry,
     low: Array,
     high: Array,
     unknowns: NDArray[np.int64],
@@ -189,6 +201,7 @@ def _searched(
     seeds: Array,
 ) -> EveryPose:
     """Search in units of the longest cable, and translate the answer back."""
+    anchors, axes, radii, attachments = robot
     size = float(lengths.max())
     unit = np.where(unknowns < 3, size, 1.0)
     reach = max(float(np.linalg.norm(attachments, axis=1).max()) / size, 1e-3)
@@ -203,6 +216,8 @@ def _searched(
         most,
         unknowns,
         anchors / size,
+        axes,
+        radii / size,
         attachments @ rotation.T / size,
         lengths / size,
         weights,
@@ -256,31 +271,47 @@ def _none(low: Array, high: Array) -> EveryPose:
     )
 
 
-def _checked(
-    lengths: ArrayLike, anchors: ArrayLike, attachments: ArrayLike, d: int, needed: int, tolerance: float | None
-) -> tuple[Array, Array, Array, float]:
-    """Lengths (m,), anchors and attachments (m, 3) and the tolerance [m], or what is wrong with them."""
-    measured, fixed, local = (np.asarray(value, dtype=np.float64) for value in (lengths, anchors, attachments))
-    if fixed.ndim != 2 or fixed.shape[1] != d or len(fixed) < needed or not np.isfinite(fixed).all():
-        raise InputError("anchors", f"shape {fixed.shape}", f"(m, {d}) with m >= {needed}, all finite")
-    if local.shape != fixed.shape or not np.isfinite(local).all():
-        raise InputError("attachments", f"shape {local.shape}", f"{fixed.shape}, all finite")
-    if measured.shape != (len(fixed),) or not np.all((measured > 0.0) & np.isfinite(measured)):
-        raise InputError("lengths", f"{np.ravel(measured).tolist()}", f"{len(fixed)} positive finite lengths in metres")
+def _measured(lengths: ArrayLike, m: int, tolerance: float | None) -> tuple[Array, float]:
+    """Lengths (m,) and the tolerance [m], or what is wrong with them."""
+    measured = numbers("lengths", lengths)
+    if measured.shape != (m,) or not np.all((measured > 0.0) & (measured < LARGEST)):
+        raise InputError("lengths", f"{np.ravel(measured).tolist()}", f"{m} positive finite lengths in metres")
     longest = float(measured.max())
     enough = TOLERANCE * longest if tolerance is None else float(tolerance)
     if not LEAST_TOLERANCE * longest <= enough < longest:
         raise InputError(
             "tolerance", f"{enough:g} m", f"from {LEAST_TOLERANCE * longest:g} m to below the longest cable"
         )
-    return measured, in_space(fixed), in_space(local), enough
+    return measured, enough
 
 
-def _check_box(low: Array, high: Array, n: int) -> None:
+def _check_budget(budget: int) -> None:
+    """Refuse to examine nothing."""
+    if budget < 1:
+        raise InputError("budget", f"{budget}", "boxes to examine at most, 1 or more")
+
+
+def _bound(value: ArrayLike, n: int) -> Array:
+    """One end of a search box (n,)."""
+    bound = np.array(numbers("search box", value))
+    if bound.shape != (n,):
+        raise InputError("search box", f"shape {bound.shape}", f"{n} finite bounds, each low below its high")
+    return bound
+
+
+def _half(where: str, value: ArrayLike) -> Array:
+    """Half sides of a search box (3,)."""
+    half = numbers(where, value)
+    if half.shape not in ((), (3,)) or not np.all((half > 0.0) & (half < LARGEST)):
+        raise InputError(where, f"{np.ravel(half).tolist()}", "one finite number or three, above 0")
+    return np.broadcast_to(half, (3,))
+
+
+def _check_box(low: Array, high: Array) -> None:
     """Refuse a box that is not one."""
-    if low.shape != (n,) or high.shape != (n,) or not np.all(np.isfinite(low + high) & (low < high)):
+    if not np.all((np.abs(low) < LARGEST) & (np.abs(high) < LARGEST) & (low < high)):
         raise InputError(
-            "search box", f"{low.tolist()} to {high.tolist()}", f"{n} finite bounds, each low below its high"
+            "search box", f"{low.tolist()} to {high.tolist()}", f"{len(low)} finite bounds, each low below its high"
         )
 
 

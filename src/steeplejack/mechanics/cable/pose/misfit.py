@@ -21,6 +21,10 @@ from steeplejack.mechanics.cable.pulleys import cable_run
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Robot = tuple[Array, Array, Array, Array]  # anchors, swivel axes, radii, attachments
+State = tuple[Array, Array, Array, Array]  # position, rotation, slopes (m, 6) and errors (m,) there
+Normal = tuple[Array, Array, Array, Array, Array]  # gram and its factor (n, n), right side and move (n,), twist (6,)
+Course = tuple[Array, Array, Array]  # point, along, across, see `cable_run`
 
 CONVERGED, SINGULAR, UNFINISHED, UNDEFINED = range(4)
 ITERATIONS = 100
@@ -198,71 +202,110 @@ def track_each(
         status: Gets ``CONVERGED``, ``SINGULAR``, ``UNFINISHED`` or ``UNDEFINED``, (k,).
     """
     m, n = anchors.shape[0], freedoms.shape[0]
-    slope, errors, slope_new, errors_new = np.empty((m, 6)), np.empty(m), np.empty((m, 6)), np.empty(m)
-    gram, factor, right, move = np.empty((n, n)), np.empty((n, n)), np.empty(n), np.empty(n)
-    point, along, across, twist = np.empty(3), np.empty(3), np.empty(3), np.zeros(6)
-    place, place_new, rotation, rotation_new = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
-    constants = (anchors, axes, radii, attachments)
+    robot = (anchors, axes, radii, attachments)
+    here = (np.empty(3), np.empty((3, 3)), np.empty((m, 6)), np.empty(m))
+    there = (np.empty(3), np.empty((3, 3)), np.empty((m, 6)), np.empty(m))
+    normal = (np.empty((n, n)), np.empty((n, n)), np.empty(n), np.empty(n), np.zeros(6))
+    course = (np.empty(3), np.empty(3), np.empty(3))
     reach = 0.0
     for i in range(m):
         reach = max(reach, math.sqrt(attachments[i, 0] ** 2 + attachments[i, 1] ** 2 + attachments[i, 2] ** 2))
     last = 0
     for k in range(lengths.shape[0]):
-        begin = last if follow else k
-        _copy(positions[begin], rotations[begin], place, rotation)
-        measured, size = lengths[k], 0.0
+        begin, size = last if follow else k, 0.0
         for i in range(m):
-            size = max(size, abs(measured[i]))
+            size = max(size, abs(lengths[k, i]))
+        _copy(positions[begin], rotations[begin], here[0], here[1])
         lever = reach if reach > 0.0 else size
-        cost = _misfit(measured, *constants, place, rotation, lever, slope, errors, point, along, across)
-        steps[k], residuals[k], status[k] = 0, np.nan, UNDEFINED
-        if not (math.isfinite(cost) and size > 0.0):
-            _copy(place, rotation, positions[k], rotations[k])
-            continue
-        status[k] = UNFINISHED
-        damping, before = DAMPING, 0.0
-        _normal(slope, errors, freedoms, move, gram, right)
-        while steps[k] < ITERATIONS:
-            steps[k] += 1
+        cost, steps[k], status[k] = _descend(
+            lengths[k], size, lever, robot, freedoms, here, there, normal, course, positions[k], rotations[k]
+        )
+        residuals[k] = math.sqrt(cost) if status[k] != UNDEFINED else np.nan
+        if status[k] != UNDEFINED:
+            last = k
+
+
+@njit(cache=True, error_model="numpy")
+def _descend(
+    lengths: Array,
+    size: float,
+    lever: float,
+    robot: Robot,
+    freedoms: Ints,
+    here: State,
+    there: State,
+    normal: Normal,
+    course: Course,
+    position: Array,
+    rotation: Array,
+) -> tuple[float, int, int]:
+    """Levenberg-Marquardt from the pose ``here`` to the nearest minimum, written to ``position`` and ``rotation``.
+
+    Returns:
+        Sum of squared errors [m2], steps and status; ``there``, ``normal`` and ``course`` are space.
+    """
+    place, turned, slope, errors = here
+    place_new, turned_new, slope_new, errors_new = there
+    gram, factor, right, move, twist = normal
+    cost = _misfit(lengths, *robot, place, turned, lever, slope, errors, *course)
+    if not (math.isfinite(cost) and size > 0.0):
+        _copy(place, turned, position, rotation)
+        return cost, 0, UNDEFINED
+    status, steps, damping, before = UNFINISHED, 0, DAMPING, 0.0
+    _normal(slope, errors, freedoms, move, gram, right)
+    while steps < ITERATIONS:
+        steps += 1
+        pivot = cholesky(gram, damping, factor)
+        while not pivot > 0.0:
+            damping = max(10.0 * damping, 1e-12)
             pivot = cholesky(gram, damping, factor)
-            while not pivot > 0.0:
-                damping = max(10.0 * damping, 1e-12)
-                pivot = cholesky(gram, damping, factor)
-            substitute(factor, right, move)
-            length = 0.0
-            for a in range(n):
-                twist[freedoms[a]] = move[a]
-                length += move[a] * move[a]
-            length = math.sqrt(length)
-            turn(rotation, twist[0] / lever, twist[1] / lever, twist[2] / lever, rotation_new)
-            for j in range(3):
-                place_new[j] = place[j] + twist[3 + j]
-            trial = _misfit(
-                measured, *constants, place_new, rotation_new, lever, slope_new, errors_new, point, along, across
-            )
-            better = trial <= cost
-            if better:
-                cost = trial
-                place, place_new = place_new, place
-                rotation, rotation_new = rotation_new, rotation
-                slope, slope_new = slope_new, slope
-                errors, errors_new = errors_new, errors
-                damping = max(0.01 * damping, 1e-14)
-            else:
-                damping = max(min(10.0 * damping, 1e9), 1e-4)
-            if length <= STEP * size or length * length <= STEP * size * before:
-                if pivot <= CLEAR:
-                    _normal(slope, errors, freedoms, move, gram, right)
-                    pivot = cholesky(gram, 0.0, factor)
-                status[k] = CONVERGED if pivot > RANK else SINGULAR
-                break
-            before = 0.0
-            if better:
-                before = length
+        substitute(factor, right, move)
+        length = _moved(place, turned, move, freedoms, lever, twist, place_new, turned_new)
+        trial = _misfit(lengths, *robot, place_new, turned_new, lever, slope_new, errors_new, *course)
+        better = trial <= cost
+        if better:
+            cost = trial
+            place, place_new = place_new, place
+            turned, turned_new = turned_new, turned
+            slope, slope_new = slope_new, slope
+            errors, errors_new = errors_new, errors
+            damping = max(0.01 * damping, 1e-14)
+        else:
+            damping = max(min(10.0 * damping, 1e9), 1e-4)
+        if length <= STEP * size or length * length <= STEP * size * before:
+            if pivot <= CLEAR:
                 _normal(slope, errors, freedoms, move, gram, right)
-        residuals[k] = math.sqrt(cost)
-        _copy(place, rotation, positions[k], rotations[k])
-        last = k
+                pivot = cholesky(gram, 0.0, factor)
+            status = CONVERGED if pivot > RANK else SINGULAR
+            break
+        before = 0.0
+        if better:
+            before = length
+            _normal(slope, errors, freedoms, move, gram, right)
+    _copy(place, turned, position, rotation)
+    return cost, steps, status
+
+
+@njit(cache=True, error_model="numpy")
+def _moved(
+    place: Array,
+    rotation: Array,
+    move: Array,
+    freedoms: Ints,
+    lever: float,
+    twist: Array,
+    place_new: Array,
+    rotation_new: Array,
+) -> float:
+    """Write the pose after a step ``(lever omega; v)`` of the freedoms; the step's length [m]."""
+    square = 0.0
+    for a in range(freedoms.shape[0]):
+        twist[freedoms[a]] = move[a]
+        square += move[a] * move[a]
+    turn(rotation, twist[0] / lever, twist[1] / lever, twist[2] / lever, rotation_new)
+    for j in range(3):
+        place_new[j] = place[j] + twist[3 + j]
+    return math.sqrt(square)
 
 
 @njit(cache=True)

@@ -9,7 +9,11 @@ and `every_pose` proves it.
 
 Policy at degeneracies: lengths that are not finite, an attachment inside its pulley, or all lengths zero give
 ``UNDEFINED`` and leave the start; in a stream the next pose starts from the last defined one. At a pose where the
-lengths determine the freedoms only to second order (a least sine of 3e-7) the status is ``SINGULAR``.
+lengths determine the freedoms only to second order (a least sine of 3e-7) the status is ``SINGULAR``. That is wider
+than the `degeneracy` of a given pose: a pose found from lengths is known to the root of rounding only where two
+solutions meet, so that every pose that is singular there is so here, and near ones are too. A start that is not finite,
+in a batch, is ``UNDEFINED`` and stops no other. A question with wrong shapes, geometry that is not finite, negative
+radii or fewer cables than freedoms raises `InputError`.
 """
 
 from __future__ import annotations
@@ -21,8 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import vectors
 from steeplejack.mechanics.cable.pose import misfit
-from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
+from steeplejack.mechanics.cable.pose.given import Geometry, geometry, tolerance_of
+from steeplejack.mechanics.cable.pulleys import in_space
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -119,22 +125,23 @@ def track_planar(
     Raises:
         InputError: Shapes do not fit, or there are fewer than three cables.
     """
-    first = np.asarray(start, dtype=np.float64)
+    first = vectors("start", start, 3)
+    first = np.where(np.isfinite(first).all(axis=-1, keepdims=True), first, np.nan)
     cosine, sine = np.cos(first[..., 2]), np.sin(first[..., 2])
     rotation = np.zeros((*first.shape[:-1], 3, 3))
     rotation[..., 0, 0], rotation[..., 0, 1], rotation[..., 1, 0], rotation[..., 1, 1] = cosine, -sine, sine, cosine
     rotation[..., 2, 2] = 1.0
-    position, rotation, residual, steps, status = _track(
-        lengths, anchors, attachments, first[..., :2], rotation, radii, axes, follow, tolerance, PLANAR
-    )
-    phi = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
+    robot = geometry(anchors, attachments, radii, axes, 2)
+    measured = vectors("lengths", lengths, len(robot[0]))
+    found = minima(measured, robot, PLANAR, in_space(first[..., :2]), rotation, follow, tolerance)
+    phi = np.arctan2(found.rotation[..., 1, 0], found.rotation[..., 0, 0])
     reference = np.broadcast_to(first[..., 2], phi.shape)
     if follow and phi.ndim:
         phi = np.unwrap(np.concatenate((reference[..., :1], phi), axis=-1), axis=-1)[..., 1:]
     else:
         phi = nearest_turn(phi, reference)
-    pose = np.concatenate((position[..., :2], phi[..., None]), axis=-1)
-    return PlanarTrack(pose, residual, steps, status)
+    pose = np.concatenate((found.position[..., :2], phi[..., None]), axis=-1)
+    return PlanarTrack(pose, found.residual, found.iterations, found.status)
 
 
 def track_spatial(
@@ -168,8 +175,9 @@ def track_spatial(
     Raises:
         InputError: Shapes do not fit, a start is no rotation, or there are fewer than six cables.
     """
-    turn = rotation_matrix(rotation, "rotation")
-    return SpatialTrack(*_track(lengths, anchors, attachments, position, turn, radii, axes, follow, tolerance, SPATIAL))
+    robot, turn = geometry(anchors, attachments, radii, axes, 3), rotation_matrix(rotation, "rotation")
+    measured = vectors("lengths", lengths, len(robot[0]))
+    return minima(measured, robot, SPATIAL, vectors("position", position, 3), turn, follow, tolerance)
 
 
 def nearest_turn(angle: ArrayLike, reference: ArrayLike) -> Array:
@@ -178,59 +186,65 @@ def nearest_turn(angle: ArrayLike, reference: ArrayLike) -> Array:
     return middle + np.remainder(np.asarray(angle, dtype=np.float64) - middle + np.pi, 2.0 * np.pi) - np.pi
 
 
-def _track(
-    lengths: ArrayLike,
-    anchors: ArrayLike,
-    attachments: ArrayLike,
-    position: ArrayLike,
-    rotation: ArrayLike,
-    radii: ArrayLike | None,
-    axes: ArrayLike | None,
-    follow: bool,
-    tolerance: float | None,
+def minima(
+    lengths: Array,
+    robot: Geometry,
     freedoms: NDArray[np.int64],
-) -> tuple[Array, Array, Array, NDArray[np.int64], NDArray[np.int64]]:
-    """Positions (..., 3), rotations (..., 3, 3), residuals, iterations and status (...) of the nearest minima."""
-    measured = np.asarray(lengths, dtype=np.float64)
-    fixed, local = np.asarray(anchors, dtype=np.float64), np.asarray(attachments, dtype=np.float64)
-    _check(measured, fixed, local, len(freedoms), radii, axes)
-    shape, m = measured.shape[:-1], len(fixed)
+    position: Array,
+    rotation: Array,
+    follow: bool = False,
+    tolerance: float | None = None,
+) -> SpatialTrack:
+    """The nearest minima of the misfit for checked lengths (..., m), from starts (..., 3) and (..., 3, 3).
+
+    Args:
+        lengths: See `track_spatial`.
+        robot: From `given.geometry`.
+        freedoms: Which of (omega; v) move, (n,).
+        position: See `track_spatial`.
+        rotation: See `track_spatial`.
+        follow: See `track_spatial`.
+        tolerance: See `track_spatial`.
+
+    Returns:
+        Poses in space.
+
+    Raises:
+        InputError: As many starts as fit neither one nor each of the lengths, or a tolerance that is none.
+    """
+    tolerance_of(tolerance)
+    shape, m = lengths.shape[:-1], len(robot[0])
     stream = shape[-1] if follow and shape else 1
-    flat = np.ascontiguousarray(measured.reshape(-1, m))
-    positions = np.array(np.broadcast_to(in_space(np.asarray(position, dtype=np.float64)), (*shape, 3))).reshape(-1, 3)
-    rotations = np.array(np.broadcast_to(np.asarray(rotation, dtype=np.float64), (*shape, 3, 3))).reshape(-1, 3, 3)
+    flat = np.ascontiguousarray(lengths.reshape(-1, m))
+    try:
+        positions = np.array(np.broadcast_to(position, (*shape, 3))).reshape(-1, 3)
+        rotations = np.array(np.broadcast_to(rotation, (*shape, 3, 3))).reshape(-1, 3, 3)
+    except ValueError:
+        raise InputError(
+            "start", f"{position.shape[:-1]} for lengths {shape}", "one for all, or one for each"
+        ) from None
     residuals = np.empty(len(flat))
     steps, status = np.empty(len(flat), dtype=np.int64), np.empty(len(flat), dtype=np.int64)
-    constants = (in_space(fixed), unit_axes(axes, m), pulley_radii(radii, m), in_space(local), freedoms)
-    for begin in range(0, len(flat), stream) if follow else (0,):
+    for begin in range(0, len(flat), max(stream, 1)) if follow else (0,):
         part = slice(begin, begin + stream) if follow else slice(None)
         misfit.track_each(
-            flat[part], *constants, follow, positions[part], rotations[part], residuals[part], steps[part], status[part]
+            flat[part],
+            *robot,
+            freedoms,
+            follow,
+            positions[part],
+            rotations[part],
+            residuals[part],
+            steps[part],
+            status[part],
         )
     with np.errstate(invalid="ignore"):
         enough = 1e-3 * np.abs(flat).max(axis=-1, initial=0.0) if tolerance is None else tolerance
         status[(status == TrackingStatus.CONVERGED) & (residuals > enough)] = TrackingStatus.UNEXPLAINED
-    return (
+    return SpatialTrack(
         positions.reshape(*shape, 3),
         rotations.reshape(*shape, 3, 3),
         residuals.reshape(shape),
         steps.reshape(shape),
         status.reshape(shape),
     )
-
-
-def _check(
-    lengths: Array, anchors: Array, attachments: Array, needed: int, radii: ArrayLike | None, axes: ArrayLike | None
-) -> None:
-    """Refuse shapes that do not fit each other, fewer cables than freedoms, and pulleys without axes."""
-    d = 2 if needed == 3 else 3
-    if anchors.ndim != 2 or anchors.shape[1] != d or anchors.shape[0] < needed:
-        raise InputError("anchors", f"shape {anchors.shape}", f"(m, {d}) with m >= {needed}")
-    if attachments.shape != anchors.shape:
-        raise InputError("attachments", f"shape {attachments.shape}", f"as the anchors, {anchors.shape}")
-    if not (np.isfinite(anchors).all() and np.isfinite(attachments).all()):
-        raise InputError("anchors and attachments", "not all finite", "finite points in metres")
-    if lengths.ndim == 0 or lengths.shape[-1] != len(anchors):
-        raise InputError("lengths", f"shape {lengths.shape}", f"(..., {len(anchors)}), one for each cable")
-    if radii is not None and np.any(np.asarray(radii) != 0.0) and axes is None:
-        raise InputError("axes", "none", f"swivel axes of the pulleys, ({len(anchors)}, {d})")

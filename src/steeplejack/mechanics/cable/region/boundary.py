@@ -29,6 +29,7 @@ from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.certified import Label, arguments
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
+from steeplejack.mechanics.cable.region.inputs import finite, positive
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -128,8 +129,7 @@ def certified_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike, tolerance
         InputError: Segments that are not finite, or a tolerance that is not positive.
     """
     first, last = segments(starts, ends)
-    if not tolerance > 0.0:
-        raise InputError("tolerance", f"{tolerance:g}", "positive")
+    positive("tolerance", tolerance)
     start, end = (first - facets.origin) / facets.units, (last - facets.origin) / facets.units
     both = np.concatenate((start, end))
     question = arguments(facets, both.min(axis=0), both.max(axis=0))
@@ -185,15 +185,12 @@ def subdivide(
 
 def segments(starts: ArrayLike, ends: ArrayLike) -> tuple[Array, Array]:
     """Both ends of every segment, (k, 3), finite."""
-    first, last = np.broadcast_arrays(
-        np.atleast_2d(np.asarray(starts, dtype=np.float64)), np.atleast_2d(np.asarray(ends, dtype=np.float64))
-    )
-    if (
-        first.ndim != 2
-        or first.shape[1] != 3
-        or not len(first)
-        or not (np.isfinite(first).all() and np.isfinite(last).all())
-    ):
+    low, high = (np.atleast_2d(finite("rays", end, (3,))) for end in (starts, ends))
+    try:
+        first, last = np.broadcast_arrays(low, high)
+    except ValueError:
+        raise InputError("rays", f"ends of shapes {low.shape} and {high.shape}", "as many of each, (k, 3)") from None
+    if first.ndim != 2 or not len(first):
         raise InputError("rays", f"ends of shape {first.shape}", "one segment or more between finite poses, (k, 3)")
     return first.copy(), last.copy()
 

@@ -23,6 +23,7 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
+from steeplejack.mechanics.cable.region.inputs import cables, numbers, positive
 from steeplejack.mechanics.cable.region.rounding import stored_rounding
 
 Array = NDArray[np.float64]
@@ -57,10 +58,11 @@ class CertifiedRegion:
     """Boxes that cover the search box, and what is proved of each.
 
     Attributes:
-        boxes: Lower and upper end of each coordinate, (k, 3, 2) [m, m, rad] or [m, m, m].
+        boxes: Lower and upper end of each coordinate, (k, 3, 2) [m, m, rad] or [m, m, m]; (k, 6, 2) if `oriented`.
         labels: `Label` of each box by number, (k,).
         facets: Proof of each box outside, (k,): ``2 s + side``, hyperplane ``s`` of the question's ``subsets`` and the
-            side all available wrenches stay on, 0 where ``+z_J`` has positive work, else 1; -1 elsewhere.
+            side all available wrenches stay on, 0 where ``+z_J`` has positive work, else 1; -1 elsewhere. Of `oriented`
+            regions the wrench or the orientation that fails.
         inner: Volume proved inside, over the coordinates with width [m2, m2 rad, m3].
         outer: Volume not proved outside [m2, m2 rad, m3].
         evaluations: How many boxes were looked at.
@@ -128,11 +130,11 @@ def branch(
     """Decide boxes, cut the undecided ones in two, level by level, until the gap is reached.
 
     Args:
-        decide: Labels, proofs and sides to cut, (k,) each, of boxes with these lower and upper corners, (k, 3) each.
-        low: Lower corner of the search box, (3,), in scaled units.
-        high: Upper corner, (3,), in scaled units.
-        units: One scaled unit of each coordinate, (3,).
-        origin: What scaled coordinates count from, (3,).
+        decide: Labels, proofs and sides to cut, (k,) each, of boxes with these lower and upper corners, (k, d) each.
+        low: Lower corner of the search box, (d,), in scaled units.
+        high: Upper corner, (d,), in scaled units.
+        units: One scaled unit of each coordinate, (d,).
+        origin: What scaled coordinates count from, (d,).
         gap: Undecided volume to reach, as a share of the volume not proved outside [1].
         most: Boxes to look at before giving up.
 
@@ -140,10 +142,11 @@ def branch(
         The boxes in the coordinates of the search box.
 
     Raises:
-        InputError: A gap that is not positive.
+        InputError: A gap that is not positive, or no box to look at.
     """
-    if not gap > 0.0:
-        raise InputError("gap", f"{gap:g}", "positive")
+    positive("gap", gap)
+    if not most >= 1:
+        raise InputError("most", f"{most}", "one box at least")
     wide = high > low
     lows, highs = low[None], high[None]
     done: list[tuple[Array, Array, Integers, Integers]] = []
@@ -178,17 +181,21 @@ def closure_box(anchors: ArrayLike, attachments: ArrayLike) -> Array:
 
     Returns:
         Lower and upper ends, (2, 2) or (3, 2) [m].
+
+    Raises:
+        InputError: Shapes or numbers that cannot be meant.
     """
-    fixed = np.asarray(anchors, dtype=np.float64)
-    arm = float(np.linalg.norm(np.asarray(attachments, dtype=np.float64), axis=-1).max())
+    size = np.shape(anchors)[-1] if np.ndim(anchors) == 2 else 3
+    fixed, local = cables(anchors, attachments, 2 if size == 2 else 3)
+    arm = float(np.linalg.norm(local, axis=-1).max())
     return np.stack((fixed.min(axis=0) - arm, fixed.max(axis=0) + arm), axis=-1)
 
 
-def search_box(box: ArrayLike) -> tuple[Array, Array]:
-    """Lower and upper corner, (3,) each, of a box (3, 2) that is finite and has a side with width."""
-    ends = np.asarray(box, dtype=np.float64)
-    if ends.shape != (3, 2) or not np.isfinite(ends).all() or not (ends[:, 0] <= ends[:, 1]).all():
-        raise InputError("box", f"{ends.tolist()}", "lower and upper end of three coordinates, finite, (3, 2)")
+def search_box(box: ArrayLike, size: int = 3) -> tuple[Array, Array]:
+    """Lower and upper corner, (size,) each, of a box (size, 2) that is finite and has a side with width."""
+    ends = numbers("box", box, (size, 2))
+    if ends.shape != (size, 2) or not np.isfinite(ends).all() or not (ends[:, 0] <= ends[:, 1]).all():
+        raise InputError("box", f"{ends.tolist()}", f"lower and upper end of {size} coordinates, finite, ({size}, 2)")
     if not (ends[:, 0] < ends[:, 1]).any():
         raise InputError("box", "no coordinate with width", "at least one")
     return ends[:, 0].copy(), ends[:, 1].copy()

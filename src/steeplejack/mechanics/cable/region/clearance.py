@@ -1,4 +1,8 @@
-"""Distances between straight cables, a platform and the stays around them."""
+"""Distances between straight cables, a platform's centre and the stays around them; all other gaps come from here.
+
+Exact to rounding for crossing, touching, overlapping, parallel and zero-length segments; where two directions differ by
+less than 1e-7 rad but are not parallel, to that angle times the length.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +32,7 @@ def segment_distance(a: Array, b: Array, c: Array, d: Array) -> float:
     if determinant > 1e-14 * uu * vv:
         s = min(max((uv * vw - vv * uw) / determinant, 0.0), 1.0)
     t = (uv * s + vw) / vv if vv > 0.0 else 0.0
-    if t < 0.0 or t > 1.0:
+    if t < 0.0 or t > 1.0 or vv == 0.0:
         t = min(max(t, 0.0), 1.0)
         s = min(max((uv * t - uw) / uu, 0.0), 1.0) if uu > 0.0 else 0.0
     x = w0 + s * u0 - t * v0
@@ -49,8 +53,37 @@ def polyline_distance(a: Array, b: Array, nodes: Array) -> float:
 
 
 @njit(cache=True)
+def nearest_stay(
+    anchors: Array, ends: Array, stays: Array, radii: Array, own: NDArray[np.int64], enough: float
+) -> tuple[float, int, int]:
+    """Least gap of cables to the surfaces of stays [m], and which cable and stay; negative inside a stay.
+
+    Args:
+        anchors: Winch exits (m, 3) [m].
+        ends: Attachments in the world (m, 3) [m].
+        stays: Axes of the stays as polylines (k, n, 3) [m].
+        radii: Radii of the stays (k,) [m].
+        own: The stay that each cable's base sits on (m,); that cable is not checked against it.
+        enough: Gap below which the search stops [m].
+
+    Returns:
+        Gap, cable and stay; infinite, -1 and -1 where there is none to meet.
+    """
+    least, cable, stay = np.inf, -1, -1
+    for i in range(anchors.shape[0]):
+        for k in range(stays.shape[0]):
+            if own[i] != k:
+                gap = polyline_distance(anchors[i], ends[i], stays[k]) - radii[k]
+                if gap < least:
+                    least, cable, stay = gap, i, k
+                    if least < enough:
+                        return least, cable, stay
+    return least, cable, stay
+
+
+@njit(cache=True)
 def cable_gap(anchors: Array, ends: Array, stays: Array, radii: Array, own: NDArray[np.int64]) -> tuple[float, float]:
-    """Least gap of the cables and of the platform to the surfaces of the stays [m].
+    """Least gap of the cables and of the platform's centre to the surfaces of the stays [m].
 
     Args:
         anchors: Winch exits (m, 3) [m].
@@ -62,13 +95,9 @@ def cable_gap(anchors: Array, ends: Array, stays: Array, radii: Array, own: NDAr
     Returns:
         Least gap over cables and stays, and least gap of the platform's centre (mean of the attachments).
     """
-    cables, body = np.inf, np.inf
-    centre = np.zeros(3)
+    body, centre = np.inf, np.zeros(3)
     for i in range(ends.shape[0]):
         centre += ends[i] / ends.shape[0]
     for k in range(stays.shape[0]):
-        for i in range(anchors.shape[0]):
-            if own[i] != k:
-                cables = min(cables, polyline_distance(anchors[i], ends[i], stays[k]) - radii[k])
         body = min(body, polyline_distance(centre, centre, stays[k]) - radii[k])
-    return cables, body
+    return nearest_stay(anchors, ends, stays, radii, own, -np.inf)[0], body

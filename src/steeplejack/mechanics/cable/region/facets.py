@@ -37,6 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region import determinants
+from steeplejack.mechanics.cable.region.inputs import finite, points
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -113,7 +114,7 @@ def planar_facets(
     Raises:
         InputError: Shapes or numbers that cannot be meant, or a robot that is singular at every pose.
     """
-    fixed, local = _points("anchors", anchors, 2), _points("attachments", attachments, 2)
+    fixed, local = points("anchors", anchors, 2), points("attachments", attachments, 2)
     limits = _limits(lower, upper, len(fixed))
     sets = _Sets.of(fixed, local, 3, limits is not None)
     geometry = _Geometry.of(fixed, local)
@@ -155,8 +156,10 @@ def spatial_facets(
     Raises:
         InputError: Shapes or numbers that cannot be meant, or a robot that is singular at every position.
     """
-    fixed, local = _points("anchors", anchors, 3), _points("attachments", attachments, 3)
+    fixed, local = points("anchors", anchors, 3), points("attachments", attachments, 3)
     turned = rotation_matrix(rotation, "rotation")
+    if turned.shape != (3, 3):
+        raise InputError("rotation", f"shape {turned.shape}", "one rotation matrix (3, 3)")
     limits = _limits(lower, upper, len(fixed))
     sets = _Sets.of(fixed, local, 6, limits is not None)
     geometry = _Geometry.of(fixed, local, turned)
@@ -263,16 +266,6 @@ def _facets(
     )
 
 
-def _points(where: str, values: ArrayLike, size: int) -> Array:
-    """Finite points, a contiguous copy."""
-    points = np.array(values, dtype=np.float64, order="C")
-    if points.ndim != 2 or points.shape[1] != size:
-        raise InputError(where, f"shape {points.shape}", f"shape (m, {size})")
-    if not np.isfinite(points).all():
-        raise InputError(where, "a number that is not finite", "finite numbers")
-    return points
-
-
 def _limits(lower: ArrayLike | None, upper: ArrayLike | None, cables: int) -> tuple[Array, Array] | None:
     """Least and greatest tensions, each (m,); None without limits."""
     if lower is None and upper is None:
@@ -281,7 +274,7 @@ def _limits(lower: ArrayLike | None, upper: ArrayLike | None, cables: int) -> tu
         raise InputError("tension limits", "one of the two", "least and greatest, or neither")
     try:
         low, high = (np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), (cables,))) for v in (lower, upper))
-    except ValueError:
+    except (TypeError, ValueError):
         raise InputError("tension limits", "other than one a cable", f"a scalar or ({cables},)") from None
     if not (np.isfinite(low).all() and np.isfinite(high).all() and np.all(low < high)):
         raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite, least below greatest")
@@ -295,11 +288,9 @@ def _wrenches(
 
     Integer forces are over ``2^shift``, moments over ``2^(shift + geometry.shift)``.
     """
-    loads = np.atleast_2d(np.zeros(rows) if wrenches is None else np.asarray(wrenches, dtype=np.float64))
-    if loads.ndim != 2 or loads.shape[1] != rows or not len(loads):
+    loads = np.atleast_2d(finite("wrenches", np.zeros(rows) if wrenches is None else wrenches, (rows,)))
+    if loads.ndim != 2 or not len(loads):
         raise InputError("wrenches", f"shape {loads.shape}", f"shape (k, {rows})")
-    if not np.isfinite(loads).all():
-        raise InputError("wrenches", "a number that is not finite", "finite numbers")
     scaled = loads / _power(float(np.abs(limits).max()))
     scaled[:, moments] /= geometry.length
     (exact,), shift = determinants.integers(determinants.differences(scaled))

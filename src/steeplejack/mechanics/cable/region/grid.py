@@ -20,7 +20,7 @@ from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.mechanics.cable.structure import planar_arms
-from steeplejack.mechanics.cable.tension import line
+from steeplejack.mechanics.cable.tension.plane import planar_margins
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ def margin_grid(
     x, y = _own(xs), _own(ys)
     arms, low, high = planar_arms(attachments, phi), _each(lower), _each(upper)
     margins = np.empty((y.size, x.size))
-    line.planar_margins(
+    planar_margins(
         np.asarray(anchors, dtype=np.float64) - arms,
         arms,
         x,

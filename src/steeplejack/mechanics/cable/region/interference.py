@@ -29,7 +29,8 @@ from numpy.typing import ArrayLike, NDArray
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.region.boundary import Rays, segments, subdivide
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
-from steeplejack.mechanics.cable.region.clearance import polyline_distance, segment_distance
+from steeplejack.mechanics.cable.region.clearance import nearest_stay, segment_distance
+from steeplejack.mechanics.cable.region.inputs import cables, finite, points, positive
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -92,26 +93,25 @@ class Surroundings:
         Raises:
             InputError: Shapes that do not fit, numbers that are not finite, radii below zero, or no rotation.
         """
-        fixed, local = (np.array(value, dtype=np.float64, order="C") for value in (anchors, attachments))
+        fixed, local = cables(anchors, attachments, 3)
         turned = rotation_matrix(rotation, "rotation")
-        axes = np.zeros((0, 2, 3)) if stays is None else np.array(stays, dtype=np.float64, order="C")
-        if fixed.ndim != 2 or fixed.shape[1:] != (3,) or local.shape != fixed.shape or turned.shape != (3, 3):
-            raise InputError("cables", f"anchors {fixed.shape} and attachments {local.shape}", "(m, 3) each")
-        if axes.ndim != 3 or axes.shape[2] != 3 or axes.shape[1] < 2:
+        if turned.shape != (3, 3):
+            raise InputError("rotation", f"shape {turned.shape}", "one rotation matrix (3, 3)")
+        axes = np.zeros((0, 2, 3)) if stays is None else finite("stays", stays, (3,))
+        if axes.ndim != 3 or axes.shape[1] < 2:
             raise InputError("stays", f"shape {axes.shape}", "(k, n, 3) with two points at least")
-        sizes = np.array(np.broadcast_to(np.asarray(radii, dtype=np.float64), (len(axes),)))
-        if not all(np.isfinite(value).all() for value in (fixed, local, axes, sizes)):
-            raise InputError("surroundings", "a number that is not finite", "finite numbers")
+        sizes, homes = _each("radii", radii, len(axes)), _each("own", own, len(fixed))
         if (sizes < 0.0).any():
             raise InputError("radii", f"{float(sizes.min()):g} m", "zero or more")
+        if (homes != np.rint(homes)).any() or (homes < -1).any() or (homes >= max(len(axes), 1)).any():
+            raise InputError("own", f"{homes.tolist()}", "the number of a stay a cable, or -1 for none")
         apart = [
             pair
             for pair in itertools.combinations(range(len(fixed)), 2)
             if not any((ends[pair[0]] == ends[pair[1]]).all() for ends in (fixed, local))
         ]
-        homes = np.array(np.broadcast_to(np.asarray(own, dtype=np.int64), (len(fixed),)))
         pairs = np.array(apart, dtype=np.int64).reshape(-1, 2)
-        return Surroundings(fixed, np.ascontiguousarray(local @ turned.T), pairs, axes, sizes, homes)
+        return Surroundings(fixed, np.ascontiguousarray(local @ turned.T), pairs, axes, sizes, homes.astype(np.int64))
 
     @property
     def arguments(self) -> tuple[Array, Array, Integers, Array, Array, Integers]:
@@ -129,8 +129,11 @@ def interference_gaps(surroundings: Surroundings, positions: ArrayLike) -> tuple
     Returns:
         Least distance of two cables, or of a cable and the surface of a stay, (...) [m], infinite where there is
         nothing to meet; and which: pair ``q``, or ``len(pairs) + cable * k + stay``, -1 for none, (...).
+
+    Raises:
+        InputError: Positions that are not finite.
     """
-    where = np.asarray(positions, dtype=np.float64)
+    where = finite("positions", positions, (3,))
     flat = np.ascontiguousarray(where.reshape(-1, 3))
     gaps, causes = np.empty(len(flat)), np.empty(len(flat), dtype=np.int64)
     _gaps(*surroundings.arguments, flat, gaps, causes)
@@ -156,7 +159,7 @@ def interference_region(
         InputError: A box without volume, or a clearance that is not positive.
     """
     low, high = search_box(box)
-    _positive("clearance", clearance)
+    positive("clearance", clearance)
 
     def decide(lows: Array, highs: Array) -> tuple[Integers, Integers, Integers]:
         size = highs - lows
@@ -187,8 +190,8 @@ def interference_rays(
         InputError: Segments that are not finite, or a clearance or tolerance that is not positive.
     """
     first, last = segments(starts, ends)
-    _positive("clearance", clearance)
-    _positive("tolerance", tolerance)
+    positive("clearance", clearance)
+    positive("tolerance", tolerance)
 
     def decide(ray: Integers, low: Array, high: Array) -> Integers:
         along = (last - first)[ray]
@@ -272,23 +275,31 @@ def platform_overlap(
 
     Returns:
         Lengths, (..., m) [m]; 0 where a cable leaves the platform at once, or does not reach it.
+
+    Raises:
+        InputError: Shapes or numbers that cannot be meant, normals not of unit length, or no rotations.
     """
-    local, faces = np.asarray(attachments, dtype=np.float64), np.asarray(normals, dtype=np.float64)
-    turned = np.asarray(rotations, dtype=np.float64)
-    away = np.asarray(anchors, dtype=np.float64) - np.asarray(positions, dtype=np.float64)[..., None, :]
-    cables = away @ turned - local  # in the platform frame
-    depth = np.asarray(offsets, dtype=np.float64) - local @ faces.T
-    size = ON_SURFACE * float(np.abs(np.asarray(offsets, dtype=np.float64)).max())
+    fixed, local = cables(anchors, attachments, 3)
+    faces, reach = points("normals", normals, 3), finite("offsets", offsets, ())
+    if not len(faces) or reach.shape != faces.shape[:1]:
+        raise InputError("platform", f"{len(faces)} normals and offsets {reach.shape}", "one offset a face")
+    if not np.allclose(np.linalg.norm(faces, axis=1), 1.0, rtol=0.0, atol=1e-6):
+        raise InputError("normals", "a length other than 1", "unit vectors")
+    turned = rotation_matrix(rotations, "rotations")
+    away = fixed - finite("positions", positions, (3,))[..., None, :]
+    runs = away @ turned - local  # in the platform frame
+    depth = reach - local @ faces.T
+    size = ON_SURFACE * float(np.abs(reach).max())
     depth = np.where(np.abs(depth) <= size, 0.0, depth)
-    rate = cables @ faces.T
-    rate = np.where(np.abs(rate) <= ALONG * np.linalg.norm(cables, axis=-1, keepdims=True), 0.0, rate)
+    rate = runs @ faces.T
+    rate = np.where(np.abs(rate) <= ALONG * np.linalg.norm(runs, axis=-1, keepdims=True), 0.0, rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         place = depth / rate
     enter = np.where(rate < 0.0, place, -np.inf).max(axis=-1, initial=0.0)
     leave = np.where(rate > 0.0, place, np.inf).min(axis=-1, initial=1.0)
     missed = ((rate == 0.0) & (depth <= 0.0)).any(axis=-1)
     share = np.where(missed, 0.0, np.maximum(leave - np.maximum(enter, 0.0), 0.0))
-    return share * np.linalg.norm(cables, axis=-1)
+    return share * np.linalg.norm(runs, axis=-1)
 
 
 def box_faces(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
@@ -300,14 +311,23 @@ def box_faces(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
 
     Returns:
         Outward normals (6, 3) [1] and offsets (6,) [m].
+
+    Raises:
+        InputError: Corners that are no finite points, or a lower one above the upper.
     """
-    normals = np.concatenate((np.eye(3), -np.eye(3)))
-    return normals, np.concatenate((np.asarray(high, dtype=np.float64), -np.asarray(low, dtype=np.float64)))
+    least, most = finite("low", low, (3,)), finite("high", high, (3,))
+    if least.shape != (3,) or most.shape != (3,) or not (least <= most).all():
+        raise InputError("box", f"{least.tolist()} to {most.tolist()} m", "a lower and an upper corner, (3,) each")
+    return np.concatenate((np.eye(3), -np.eye(3))), np.concatenate((most, -least))
 
 
-def _positive(where: str, value: float) -> None:
-    if not (value > 0.0 and math.isfinite(value)):
-        raise InputError(where, f"{value:g}", "positive and finite")
+def _each(where: str, values: ArrayLike, count: int) -> Array:
+    """One finite number each, (count,)."""
+    given = finite(where, values, ())
+    try:
+        return np.array(np.broadcast_to(given, (count,)))
+    except ValueError:
+        raise InputError(where, f"shape {given.shape}", f"a number or ({count},)") from None
 
 
 @njit(cache=True)
@@ -331,14 +351,9 @@ def _least(
             least, cause = distance, q
             if least < enough:
                 return least, cause, longest
-    for i in range(anchors.shape[0]):
-        for k in range(stays.shape[0]):
-            if own[i] != k:
-                distance = polyline_distance(anchors[i], ends[i], stays[k]) - radii[k]
-                if distance < least:
-                    least, cause = distance, pairs.shape[0] + i * stays.shape[0] + k
-                    if least < enough:
-                        return least, cause, longest
+    gap, cable, stay = nearest_stay(anchors, ends, stays, radii, own, enough)
+    if gap < least:
+        least, cause = gap, pairs.shape[0] + cable * stays.shape[0] + stay
     return least, cause, longest
 
 

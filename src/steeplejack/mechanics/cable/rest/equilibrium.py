@@ -13,12 +13,13 @@ default) are exact limits, not stiff springs.
 `settle` answers for the minimum downhill of a start; `equilibria` collects those of many starts, which is no proof that
 there are no others. The energy is bounded below as long as one cable is there, so every fall ends.
 
-Policy at degeneracies. A start from which no cable is ever taut under no load is ``LOOSE``. A rest with a direction
-that meets no stiffness (below 1e-9 of load over size) is ``NEUTRAL``: the pose is one of a family, or its stability is
-decided by higher orders. ``UNFINISHED`` are a constant moment with nothing to hold it, which turns for ever,
-inextensible cables so short that no pose has them all, whose tensions grow without bound, and some rests next to a
-singular pose, where tensions are tens of times the load. A cable within 1e-9 of the greatest force of no tension counts
-as slack.
+Policy at degeneracies. Without load, a start from which no cable is ever taut, or all lose their tension to the
+rounding of their lengths, is ``LOOSE``. A rest with a direction that meets no stiffness (below 1e-9 of load over size)
+is ``NEUTRAL``: the pose is one of a family, or its stability is decided by higher orders. ``UNFINISHED`` are a constant
+moment with nothing to hold it, which turns for ever, inextensible cables so short that no pose has them all, whose
+tensions grow without bound, an attachment that runs into its pulley, where a cable has no course, and some rests next
+to a singular pose, where tensions are tens of times the load. ``UNDEFINED`` starts, and falls that end in a pulley,
+have no stiffness: not a number. A cable within 1e-9 of the greatest force of no tension counts as slack.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import numbers, vectors
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
 from steeplejack.mechanics.cable.rest import potential
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
@@ -62,7 +64,8 @@ _ADVICE = {
     Rest.STABLE: "at rest; every small motion meets a restoring force",
     Rest.NEUTRAL: "at rest, but some motion meets no restoring force: the pose is one of a family",
     Rest.LOOSE: "nothing pulls on the platform: no load and no taut cable",
-    Rest.UNFINISHED: "no rest: inextensible cables too short to meet, a moment nothing holds, or a near singularity",
+    Rest.UNFINISHED: "no rest: inextensible cables too short to meet, a moment nothing holds, an attachment that runs "
+    "into its pulley, or a near singularity",
     Rest.UNDEFINED: "the start has no energy: a number is not finite or an attachment is inside its pulley",
 }
 
@@ -153,13 +156,17 @@ def equilibria(platform: LockedPlatform, positions: ArrayLike, rotations: ArrayL
     Raises:
         InputError: A start has the wrong shape or is not finite.
     """
-    found: list[Equilibrium] = []
+    places, turns = numbers("positions", positions), numbers("rotations", rotations)
+    if not (places.ndim == 2 and turns.ndim in (1, 3) and len(places) == len(turns)):
+        found = f"shapes {places.shape} and {turns.shape}"
+        raise InputError("positions and rotations", found, "as many of each, a list of both")
+    rests: list[Equilibrium] = []
     size = platform.unstressed.max()
-    for place, turn in zip(np.asarray(positions), np.asarray(rotations), strict=True):
+    for place, turn in zip(places, turns, strict=True):
         rest = settle(platform, place, turn)
-        if rest.status is Rest.STABLE and all(_apart(rest, other, size) > TWIN for other in found):
-            found.append(rest)
-    return sorted(found, key=lambda rest: rest.energy)
+        if rest.status is Rest.STABLE and all(_apart(rest, other, size) > TWIN for other in rests):
+            rests.append(rest)
+    return sorted(rests, key=lambda rest: rest.energy)
 
 
 def natural_frequencies(rest: Equilibrium, mass: ArrayLike) -> Array:
@@ -172,10 +179,17 @@ def natural_frequencies(rest: Equilibrium, mass: ArrayLike) -> Array:
     Returns:
         One for each motion that taut inextensible cables leave free, slowest first, (f,) [Hz]; not a number where a
         motion meets no restoring force.
+
+    Raises:
+        InputError: The mass matrix has the wrong shape or is not symmetric positive definite.
     """
+    n = len(rest.stiffness)
+    weight = vectors("mass matrix", mass, n, n)
+    if weight.ndim != 2:
+        raise InputError("mass matrix", f"shape {weight.shape}", f"({n}, {n})")
     if rest.free.shape[1] == 0:
         return np.empty(0)
-    weighed = rest.free.T @ np.asarray(mass, dtype=np.float64) @ rest.free
+    weighed = rest.free.T @ weight @ rest.free
     return natural_modes(rest.free.T @ rest.stiffness @ rest.free, weighed).frequencies
 
 
@@ -197,7 +211,7 @@ class Fall:
 
 def start_of(platform: LockedPlatform, position: ArrayLike, rotation: ArrayLike) -> tuple[Array, Array]:
     """A start in space, checked: position (3,) [m] and rotation (3, 3)."""
-    place, turn = np.asarray(position, dtype=np.float64), np.asarray(rotation, dtype=np.float64)
+    place, turn = numbers("position", position), numbers("rotation", rotation)
     if turn.ndim == 0 and platform.in_plane:
         turn = turn_about_z(turn)
     if place.shape != (2 if platform.in_plane else 3,) or not np.isfinite(place).all():
@@ -268,6 +282,9 @@ def rest_of(platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fa
     )
     greatest = max(platform.load, float(fall.tensions.max(initial=0.0)))
     taut = fall.tensions > SLACK * greatest
+    status = Rest(fall.status)
+    if status is Rest.UNDEFINED or not np.isfinite(lengths[taut]).all():
+        return _unknown(platform, fall, position, taut, lengths)
     blocked = taut & np.isinf(platform.axial_stiffness)
     arms = platform.attachments @ fall.rotation.T
     structure = np.vstack((np.cross(arms, along).T, along.T))[platform.freedoms]
@@ -281,7 +298,6 @@ def rest_of(platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fa
     inverse = np.linalg.inv(scale)
     values = np.linalg.eigvalsh(reduced.T @ inverse.T @ hessian @ inverse @ reduced) if free.shape[1] else np.empty(0)
     least = float(values[0]) if len(values) else np.inf
-    status = Rest(fall.status)
     flat = potential.NEUTRAL * greatest / float(unstressed.max()) + 1e-13 * float(np.abs(values).max(initial=0.0))
     if status is Rest.STABLE and least <= flat:
         status = Rest.NEUTRAL
@@ -302,17 +318,39 @@ def rest_of(platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fa
     )
 
 
+def _unknown(
+    platform: LockedPlatform, fall: Fall, position: Array, taut: NDArray[np.bool_], lengths: Array
+) -> Equilibrium:
+    """The end of a fall where a cable that pulls has no course: neither energy nor stiffness."""
+    n = len(platform.freedoms)
+    return Equilibrium(
+        position,
+        fall.rotation,
+        fall.turned,
+        np.where(taut, fall.tensions, 0.0),
+        taut,
+        lengths,
+        np.nan,
+        fall.residual,
+        np.full((n, n), np.nan),
+        np.empty((n, 0)),
+        np.nan,
+        Rest.UNDEFINED if fall.status == potential.UNDEFINED else Rest.UNFINISHED,
+        fall.steps,
+    )
+
+
 def _curvature(
     platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fall, position: Array
 ) -> tuple[float, Array]:
     """Energy [J] less the multipliers' share, and Hessian (6, 6) about the reference point at the fall's tensions."""
     hessian, shift, unused = np.empty((6, 6)), np.zeros(len(spring)), np.empty(len(spring))
-    geometry = (platform.anchors, platform.axes, platform.radii, platform.attachments, unstressed, spring)
+    robot = (platform.anchors, platform.axes, platform.radii, platform.attachments, unstressed)
     loads = (platform.forces, platform.points, platform.moment)
-    state = (position, fall.rotation, fall.turned)
-    potential.evaluate(*geometry, shift, *loads, *state, np.empty(6), hessian, unused)
+    pose, gradient = (position, fall.rotation, fall.turned), np.empty(6)
+    potential.evaluate(robot, loads, spring, shift, *pose, gradient, hessian, unused)
     shift = fall.tensions - unused
-    energy = potential.evaluate(*geometry, shift, *loads, *state, np.empty(6), hessian, unused)
+    energy = potential.evaluate(robot, loads, spring, shift, *pose, gradient, hessian, unused)
     rigid = np.isinf(platform.axial_stiffness) & (spring > 0.0)
     return float(energy - np.sum(0.5 * unused[rigid] ** 2 / spring[rigid])), hessian
 

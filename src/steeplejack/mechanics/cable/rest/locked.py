@@ -6,11 +6,13 @@ Planar robots live in the plane z = 0 of space with the freedoms (x, y, phi); on
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import numbers
 from steeplejack.mechanics.cable.pose.tracking import PLANAR, SPATIAL
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
 
@@ -123,7 +125,7 @@ class LockedPlatform:
         Raises:
             InputError: A shape does not fit or a number is not usable; the message names it.
         """
-        more, where = (np.asarray(value, dtype=np.float64).reshape(-1, 3) for value in (forces, points))
+        more, where = (_rows(name, value) for name, value in (("forces", forces), ("points", points)))
         if len(more) != len(where):
             raise InputError("points", f"{len(where)} for {len(more)} forces", "one for each force")
         loads, places = [weight, *more], [centre, *where]
@@ -163,35 +165,52 @@ def _made(
     elastic = _positive("axial_stiffness", axial_stiffness, m, None)
     loads, places = _points("forces", forces, d), _points("points", points, d)
     wheels = pulley_radii(radii, m)
-    if not np.all((wheels >= 0.0) & np.isfinite(wheels)):
-        raise InputError("radii", f"{wheels.tolist()}", "finite radii in metres, 0 or more")
     if wheels.any() and axes is None:
         raise InputError("axes", "none", f"swivel axes of the pulleys, ({m}, {d})")
     swivels = unit_axes(axes, m)
     if swivels.shape != (m, 3) or not np.isfinite(swivels).all():
         raise InputError("axes", "not usable", f"({m}, {d}) finite and none of length zero")
-    if not np.isfinite(moment):
-        raise InputError("moment", f"{moment}", "a finite moment in N m")
+    turning = _number("moment", moment, "N m")
     spread = local - places[0]
-    radius = float(np.sqrt(np.mean(np.sum(spread * spread, axis=1)))) if gyration is None else float(gyration)
-    if gyration is not None and not 0.0 < radius < np.inf:
+    radius = (
+        float(np.sqrt(np.mean(np.sum(spread * spread, axis=1))))
+        if gyration is None
+        else _number("gyration", gyration, "m")
+    )
+    if gyration is not None and not radius > 0.0:
         raise InputError("gyration", f"{radius:g} m", "a finite radius above 0")
     return LockedPlatform(
-        fixed, local, lengths, elastic, loads, places, float(moment), d == 2, swivels, wheels, radius or lengths.max()
+        fixed, local, lengths, elastic, loads, places, turning, d == 2, swivels, wheels, radius or lengths.max()
     )
+
+
+def _number(where: str, value: float, unit: str) -> float:
+    """One finite number."""
+    given = numbers(where, value)
+    if given.ndim or not np.isfinite(given):
+        raise InputError(where, f"{value}", f"a finite number of {unit}")
+    return float(given)
 
 
 def _points(where: str, values: ArrayLike | list[ArrayLike], d: int) -> Array:
     """Finite points (k, d) in space (k, 3)."""
-    given = np.asarray(values, dtype=np.float64)
+    given = numbers(where, cast(ArrayLike, values))
     if given.ndim != 2 or given.shape[1] != d or not np.isfinite(given).all():
         raise InputError(where, f"shape {given.shape}", f"(k, {d}), all finite")
     return in_space(given)
 
 
+def _rows(where: str, values: ArrayLike) -> Array:
+    """Points or forces (j, 3), none where there are none."""
+    given = numbers(where, values)
+    if given.size and (given.ndim > 2 or given.shape[-1] != 3):
+        raise InputError(where, f"shape {given.shape}", "(j, 3)")
+    return given.reshape(-1, 3)
+
+
 def _positive(where: str, values: ArrayLike, count: int, below: float | None) -> Array:
     """Numbers above 0, one for each cable; finite where ``below`` says so."""
-    given = np.asarray(values, dtype=np.float64)
+    given = numbers(where, values)
     if given.shape not in ((), (count,)):
         raise InputError(where, f"shape {given.shape}", f"one number or {count}")
     if not np.all(given > 0.0) or (below is not None and not np.all(given < below)):

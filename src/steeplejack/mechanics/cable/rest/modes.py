@@ -3,6 +3,10 @@
 ``K v = omega^2 M v`` with the stiffness of `stiffness` and the mass matrix about the same point in the same axes, both
 in (x, y, phi) or in (rotation; displacement). Solved through the Cholesky factor of M, so neither the units of K and M
 nor those of their rows matter. Massless cables, no damping; at rest.
+
+Policy. A mass that is not positive, an inertia that is not symmetric or no body has (moments that are not positive, or
+one above the sum of the other two) or a mass matrix that is not symmetric positive definite is refused. Of a batch of
+stiffnesses those that are undefined have no modes, the others theirs.
 """
 
 from __future__ import annotations
@@ -13,11 +17,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
 
 Array = NDArray[np.float64]
 
 NEUTRAL = 1e-9
 """Share of the largest squared frequency below which a mode counts as neutral, neither stable nor unstable [1]."""
+
+SYMMETRY = 1e-6
+"""How far from symmetric a matrix may be and still count as one [1]."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +61,19 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike) -> Modes:
         The modes over the broadcast leading axes.
 
     Raises:
-        InputError: The mass matrix is not positive definite.
+        InputError: The mass matrix is not symmetric positive definite, the stiffness is not symmetric, or shapes that
+            do not fit.
     """
-    k, m = np.broadcast_arrays(np.asarray(stiffness, dtype=np.float64), np.asarray(mass, dtype=np.float64))
+    k = vectors("stiffness", stiffness, "n", "n")
+    n = k.shape[-1]
+    m = vectors("mass matrix", mass, n, n)
+    if k.shape[-2] != n:
+        raise InputError("stiffness", f"shape {k.shape}", "(..., n, n)")
+    shape = leading(("stiffness", k.shape, 2), ("mass matrix", m.shape, 2))
+    k, m = np.broadcast_to(k, (*shape, n, n)), np.broadcast_to(m, (*shape, n, n))
+    for where, matrix in (("stiffness", k), ("mass matrix", m)):
+        if not _symmetric(matrix):
+            raise InputError(where, "not symmetric", "a symmetric matrix")
     try:
         inverse = np.linalg.inv(np.linalg.cholesky(m))
     except np.linalg.LinAlgError:
@@ -64,9 +82,9 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike) -> Modes:
         raise InputError("mass matrix", "not positive definite", "a positive mass and inertia")
     reduced = inverse @ k @ np.swapaxes(inverse, -1, -2)
     known = np.asarray(np.isfinite(reduced).all(axis=(-2, -1)))
-    squares, vectors = np.linalg.eigh(np.where(known[..., None, None], reduced, 0.0))
+    squares, basis = np.linalg.eigh(np.where(known[..., None, None], reduced, 0.0))
     squares = np.where(known[..., None], squares, np.nan)
-    shapes = np.where(known[..., None, None], np.swapaxes(inverse, -1, -2) @ vectors, np.nan)
+    shapes = np.where(known[..., None, None], np.swapaxes(inverse, -1, -2) @ basis, np.nan)
     return Modes(squares, shapes, squares[..., 0] > NEUTRAL * np.abs(squares).max(axis=-1))
 
 
@@ -81,14 +99,17 @@ def planar_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, p
 
     Returns:
         (..., 3, 3) [kg, kg m, kg m2].
+
+    Raises:
+        InputError: Mass or inertia not above 0, or another shape.
     """
-    angle, (x, y) = np.asarray(phi, dtype=np.float64), np.asarray(centre, dtype=np.float64)
-    weight = np.asarray(mass, dtype=np.float64)
+    angle, weight, turning = numbers("phi", phi), _positive("mass", mass), _positive("inertia", inertia)
+    x, y = _point("centre", centre, 2)
     out = np.zeros((*angle.shape, 3, 3))
     out[..., 0, 0] = out[..., 1, 1] = weight
     out[..., 0, 2] = out[..., 2, 0] = -weight * (np.sin(angle) * x + np.cos(angle) * y)
     out[..., 1, 2] = out[..., 2, 1] = weight * (np.cos(angle) * x - np.sin(angle) * y)
-    out[..., 2, 2] = np.asarray(inertia) + weight * (x * x + y * y)
+    out[..., 2, 2] = turning + weight * (x * x + y * y)
     return out
 
 
@@ -103,15 +124,62 @@ def spatial_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, 
 
     Returns:
         (..., 6, 6) [kg m2, kg m, kg].
+
+    Raises:
+        InputError: A mass not above 0, an inertia no body has, or another shape.
     """
-    turn, weight = np.asarray(rotation, dtype=np.float64), float(np.asarray(mass))
-    arm = turn @ np.asarray(centre, dtype=np.float64)
-    cross = cross_matrix(arm)
+    turn, weight, own = vectors("rotation", rotation, 3, 3), _positive("mass", mass), _body_inertia(inertia)
+    cross = cross_matrix(turn @ _point("centre", centre, 3))
     out = np.zeros((*turn.shape[:-2], 6, 6))
-    out[..., :3, :3] = turn @ np.asarray(inertia, dtype=np.float64) @ np.swapaxes(turn, -1, -2) - weight * cross @ cross
+    out[..., :3, :3] = turn @ own @ np.swapaxes(turn, -1, -2) - weight * cross @ cross
     out[..., :3, 3:], out[..., 3:, :3] = weight * cross, -weight * cross
     out[..., 3:, 3:] = weight * np.eye(3)
     return out
+
+
+def _positive(where: str, value: ArrayLike) -> float:
+    """One finite number above 0."""
+    given = numbers(where, value)
+    if given.ndim or not 0.0 < given < np.inf:
+        raise InputError(where, f"{given.tolist()}", "one finite number above 0")
+    return float(given)
+
+
+def _point(where: str, value: ArrayLike, axes: int) -> Array:
+    """One finite point, (axes,)."""
+    given = vectors(where, value, axes)
+    if given.ndim != 1 or not np.isfinite(given).all():
+        raise InputError(where, f"{given.tolist()}", f"{axes} finite coordinates")
+    return given
+
+
+def _body_inertia(value: ArrayLike) -> Array:
+    """The inertia matrix (3, 3) of some body: symmetric, its principal moments positive, none above the other two."""
+    given = vectors("inertia", value, 3, 3)
+    if given.ndim != 2 or not np.isfinite(given).all():
+        raise InputError("inertia", f"shape {given.shape}, or a number that is not finite", "(3, 3), finite")
+    if not _symmetric(given):
+        raise InputError("inertia", "not symmetric", "a symmetric matrix")
+    moments = np.linalg.eigvalsh(given)
+    if not moments[0] > 0.0 or moments[2] > (moments[0] + moments[1]) * (1.0 + SYMMETRY):
+        raise InputError(
+            "inertia", f"principal moments {moments.tolist()}", "moments above 0, none above the others' sum"
+        )
+    return given
+
+
+def _symmetric(matrices: Array) -> bool:
+    """Whether each of (..., n, n) is symmetric to `SYMMETRY`, every entry against its row's and column's diagonal.
+
+    Entries that are not finite pass, and off-diagonal ones larger than the diagonal allows are measured by themselves.
+    """
+    swapped = np.swapaxes(matrices, -1, -2)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(matrices - swapped)
+        size = np.maximum(np.abs(matrices), np.abs(swapped))
+        diagonal = np.abs(np.diagonal(matrices, axis1=-2, axis2=-1))
+        size = np.maximum(size, np.sqrt(diagonal[..., :, None] * diagonal[..., None, :]))
+        return not np.any(apart > SYMMETRY * size)
 
 
 def cross_matrix(vectors: Array) -> Array:

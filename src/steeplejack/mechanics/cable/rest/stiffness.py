@@ -29,7 +29,9 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import each_cable, leading, numbers, spread, vectors
 from steeplejack.mechanics.cable.pulleys import cable_run, in_space, pulley_radii, unit_axes
+from steeplejack.mechanics.cable.rest.curvature import add_cable, add_turn, arm_of
 
 Array = NDArray[np.float64]
 
@@ -50,10 +52,17 @@ def cable_rates(axial_stiffness: ArrayLike, lengths: ArrayLike, tensions: ArrayL
 
     Returns:
         Rates, (..., m) [N/m]; infinite for zero length.
+
+    Raises:
+        InputError: Shapes that do not fit, or an axial stiffness of zero or less.
     """
-    force = np.asarray(axial_stiffness, dtype=np.float64) + np.maximum(np.asarray(tensions, dtype=np.float64), 0.0)
+    elastic, length = numbers("axial_stiffness", axial_stiffness), numbers("lengths", lengths)
+    pull = numbers("tensions", tensions)
+    leading(("axial_stiffness", elastic.shape, 0), ("lengths", length.shape, 0), ("tensions", pull.shape, 0))
+    if np.any(elastic <= 0.0):
+        raise InputError("axial_stiffness", f"{float(elastic.min()):g} N", "EA above 0")
     with np.errstate(divide="ignore"):
-        return force / np.asarray(lengths, dtype=np.float64)
+        return (elastic + np.maximum(pull, 0.0)) / length
 
 
 def planar_stiffness(
@@ -84,18 +93,18 @@ def planar_stiffness(
         Symmetric, (..., 3, 3) [N/m, N, N m].
 
     Raises:
-        InputError: A shape that does not fit.
+        InputError: A shape that does not fit, or radii that are negative or not finite.
     """
-    where = np.asarray(pose, dtype=np.float64)
+    where = vectors("pose", pose, 3)
     full = spatial_stiffness(
-        in_space(np.asarray(anchors, dtype=np.float64)),
-        in_space(np.asarray(attachments, dtype=np.float64)),
+        in_space(vectors("anchors", anchors, "m", 2)),
+        in_space(vectors("attachments", attachments, "m", 2)),
         in_space(where[..., :2]),
         turn_about_z(where[..., 2]),
         tensions,
         rates,
-        in_space(np.asarray(weight, dtype=np.float64)),
-        in_space(np.asarray(centre, dtype=np.float64)),
+        in_space(vectors("weight", weight, 2)),
+        in_space(vectors("centre", centre, 2)),
         axes,
         radii,
     )
@@ -132,44 +141,36 @@ def spatial_stiffness(
         Symmetric, (..., 6, 6): N m in the rotations, N/m in the displacements, N between them.
 
     Raises:
-        InputError: A shape that does not fit.
+        InputError: A shape that does not fit, or radii that are negative or not finite.
     """
-    fixed, place, turn, pull, rate = (
-        np.asarray(value, dtype=np.float64) for value in (anchors, position, rotation, tensions, rates)
-    )
-    local, load, middle = (np.array(value, dtype=np.float64) for value in (attachments, weight, centre))
-    if local.ndim != 2 or local.shape[1] != 3:
+    local = vectors("attachments", attachments, "m", 3)
+    if local.ndim != 2:
         raise InputError("attachments", f"shape {local.shape}", "(m, 3)")
     m = len(local)
-    swivels, wheels = unit_axes(axes, m), np.asarray(0.0 if radii is None else radii, dtype=np.float64)
-    _check("anchors", fixed, (m, 3))
-    _check("position", place, (3,))
-    _check("rotation", turn, (3, 3))
-    _check("tensions", pull, (m,))
-    for where, value, tail in (("rates", rate, (m,)), ("radii", wheels, (m,))):
-        if value.ndim:
-            _check(where, value, tail)
-    for where, value, whole in (("axes", swivels, (m, 3)), ("weight", load, (3,)), ("centre", middle, (3,))):
-        if value.shape != whole:
-            raise InputError(where, f"shape {value.shape}", f"{whole}")
-    try:
-        shape = np.broadcast_shapes(
-            fixed.shape[:-2], place.shape[:-1], turn.shape[:-2], pull.shape[:-1], rate.shape[:-1] if rate.ndim else ()
-        )
-    except ValueError:
-        raise InputError("poses", "leading axes that do not fit each other", "axes that broadcast") from None
+    fixed, place = vectors("anchors", anchors, m, 3), vectors("position", position, 3)
+    turn, pull = vectors("rotation", rotation, 3, 3), vectors("tensions", tensions, m)
+    rate = each_cable("rates", rates, m)
+    load, middle = _one("weight", weight), _one("centre", centre)
+    swivels, wheels = unit_axes(axes, m), pulley_radii(radii, m)
+    shape = leading(
+        ("anchors", fixed.shape, 2),
+        ("position", place.shape, 1),
+        ("rotation", turn.shape, 2),
+        ("tensions", pull.shape, 1),
+        ("rates", rate.shape, 1),
+    )
     out = np.empty((math.prod(shape), 6, 6))
     _stiffness_each(
-        _stack(fixed, shape, (m, 3)),
+        spread(fixed, shape, (m, 3)),
         swivels,
-        pulley_radii(wheels, m),
-        local,
-        _stack(place, shape, (3,)),
-        _stack(turn, shape, (3, 3)),
-        _stack(pull, shape, (m,)),
-        _stack(rate, shape, (m,)),
+        wheels,
+        np.array(local, order="C"),
+        spread(place, shape, (3,)),
+        spread(turn, shape, (3, 3)),
+        spread(pull, shape, (m,)),
+        spread(rate, shape, (m,)),
         load,
-        middle,
+        middle[None],
         out,
     )
     return out.reshape(*shape, 6, 6)
@@ -183,22 +184,20 @@ def turn_about_z(phi: ArrayLike) -> Array:
     """
     angle = np.asarray(phi, dtype=np.float64)
     out = np.zeros((*angle.shape, 3, 3))
-    out[..., 0, 0] = out[..., 1, 1] = np.cos(angle)
-    out[..., 1, 0] = np.sin(angle)
+    with np.errstate(invalid="ignore"):
+        out[..., 0, 0] = out[..., 1, 1] = np.cos(angle)
+        out[..., 1, 0] = np.sin(angle)
     out[..., 0, 1] = -out[..., 1, 0]
     out[..., 2, 2] = 1.0
     return out
 
 
-def _check(where: str, values: Array, tail: tuple[int, ...]) -> None:
-    """Refuse values whose last axes are not these."""
-    if values.shape[-len(tail) :] != tail:
-        raise InputError(where, f"shape {values.shape}", f"(..., {', '.join(map(str, tail))})")
-
-
-def _stack(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Broadcast to ``shape + tail``, leading axes flattened to one; always a copy, so that one compilation serves."""
-    return np.array(np.broadcast_to(values, (*shape, *tail)), order="C").reshape(-1, *tail)
+def _one(where: str, value: ArrayLike) -> Array:
+    """One vector in space, (3,)."""
+    given = vectors(where, value, 3)
+    if given.ndim != 1:
+        raise InputError(where, f"shape {given.shape}", "(3,)")
+    return np.array(given)
 
 
 @njit(cache=True, error_model="numpy")
@@ -207,16 +206,13 @@ def _stiffness_each(
     tensions: Array, rates: Array, weight: Array, centre: Array, out: Array,
 ) -> None:  # fmt: skip
     """Stiffness of every pose of a batch (k), written to ``out`` (k, 6, 6); shapes as of `spatial_stiffness`."""
-    along, across, arm, point, force = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    bend, lever = np.empty((3, 3)), np.zeros((3, 6))
-    lever[0, 3] = lever[1, 4] = lever[2, 5] = 1.0
-    m = attachments.shape[0]
+    along, across, arm, point, bend = np.empty(3), np.empty(3), np.empty(3), np.empty(3), np.empty((3, 3))
     for k in range(positions.shape[0]):
         out[k] = 0.0
-        for i in range(m):
+        for i in range(attachments.shape[0]):
             if tensions[k, i] <= 0.0:
                 continue
-            _turn(rotations[k], attachments[i], arm)
+            arm_of(rotations[k], attachments, i, arm)
             size = 0.0
             for p in range(3):
                 point[p] = positions[k, p] + arm[p]
@@ -225,45 +221,8 @@ def _stiffness_each(
             if not length > SHORTEST * size:
                 out[k] = np.nan
                 break
-            for p in range(3):
-                force[p] = tensions[k, i] * along[p]
-                for q in range(3):
-                    bend[p, q] = (rates[k, i] - inside * tensions[k, i]) * along[p] * along[q]
-                    bend[p, q] += (outside - inside) * tensions[k, i] * across[p] * across[q]
-                bend[p, p] += inside * tensions[k, i]
-            lever[0, 1], lever[0, 2] = arm[2], -arm[1]
-            lever[1, 0], lever[1, 2] = -arm[2], arm[0]
-            lever[2, 0], lever[2, 1] = arm[1], -arm[0]
-            _add_bend(bend, lever, out[k])
-            _add_turn(force, arm, out[k])
-        _turn(rotations[k], centre, arm)
-        _add_turn(weight, arm, out[k])
+            add_cable(arm, along, across, inside, outside, tensions[k, i], rates[k, i], bend, out[k])
+        arm_of(rotations[k], centre, 0, arm)
+        add_turn(1.0, weight, arm, out[k])
         if not math.isfinite(out[k].sum()):
             out[k] = np.nan
-
-
-@njit(cache=True)
-def _turn(rotation: Array, point: Array, arm: Array) -> None:
-    """Write ``rotation @ point``."""
-    for p in range(3):
-        arm[p] = rotation[p, 0] * point[0] + rotation[p, 1] * point[1] + rotation[p, 2] * point[2]
-
-
-@njit(cache=True)
-def _add_bend(bend: Array, lever: Array, out: Array) -> None:
-    """Add ``lever^T bend lever``."""
-    for j in range(6):
-        for p in range(3):
-            carried = bend[p, 0] * lever[0, j] + bend[p, 1] * lever[1, j] + bend[p, 2] * lever[2, j]
-            for i in range(6):
-                out[i, j] += lever[p, i] * carried
-
-
-@njit(cache=True)
-def _add_turn(force: Array, arm: Array, out: Array) -> None:
-    """Add ``(f . r) I - (f r^T + r f^T) / 2`` to the rotations."""
-    dot = force[0] * arm[0] + force[1] * arm[1] + force[2] * arm[2]
-    for p in range(3):
-        out[p, p] += dot
-        for q in range(3):
-            out[p, q] -= 0.5 * (force[p] * arm[q] + arm[p] * force[q])

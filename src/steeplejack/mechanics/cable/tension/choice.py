@@ -1,15 +1,12 @@
 """Compiled choice of tensions for a batch of questions; the kernel behind `distribute`.
 
-For each question: factorise the structure matrix, find how deep in the tension box the balancing tensions
-``f = start + N lambda`` go, and, where they go inside, choose ``lambda`` by the method asked for. Nothing here depends
-on which null basis ``N`` came out: every method is stated in tensions.
+For each question: decide it and find how deep in the tension box the balancing tensions ``f = start + N lambda`` go
+(`depth`), and, where they go inside, choose ``lambda`` by the method asked for. Nothing here depends on which null
+basis ``N`` came out: every method is stated in tensions.
 
-A bound counts as kept where it is passed by no more than a billionth of the cable's own half-window, or of the largest
-force that must act if that is less, and the rounding of the numbers that meet there. Each bound has its own such
-allowance: a wide window makes no other bound soft.
-
-Methods that work on the surface of the feasible set get a box widened within those allowances, and where even that set
-is too thin for them, the deepest tensions stand: they are known to be inside. So a complete method never misses.
+Methods that work on the surface of the feasible set get a box widened within what may be passed of each bound, and
+where even that set is too thin for them, the deepest tensions stand: they are known to be inside. So a complete method
+never misses.
 """
 
 from __future__ import annotations
@@ -20,7 +17,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
+from steeplejack.mechanics.cable.status import MISSED, NO, UNDEFINED, YES
 from steeplejack.mechanics.cable.tension import line, linear, projection
+from steeplejack.mechanics.cable.tension.depth import settle, share_of_window, soften
 from steeplejack.mechanics.cable.tension.methods import (
     BARYCENTRE,
     CLOSED_FORM,
@@ -32,15 +32,11 @@ from steeplejack.mechanics.cable.tension.methods import (
     P_NORM,
     QP,
 )
-from steeplejack.mechanics.cable.tension.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
-from steeplejack.mechanics.cable.tension.polygon import centroid, clip, upside_down
+from steeplejack.mechanics.cable.tension.polygon import centroid, clip
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FEASIBLE, INFEASIBLE, SINGULAR, UNDEFINED, MISSED = range(5)
-TOLERANCE = line.TOLERANCE
-LOST = 1e-13  # [1] rounding of a tension, relative to the numbers that make it up
 ROUNDING = 1e-12  # [1] widening of a box without depth, relative to the largest tension met
 
 
@@ -56,7 +52,7 @@ def distribute_each(
         structures: (k, n, m), n <= m.
         wrenches: (k, n).
         lowers: (k, m) [N].
-        uppers: (k, m) [N].
+        uppers: (k, m) [N]; may be inf where the method takes open windows.
         references: (k or 1, m) [N].
         costs: Weights, (k or 1, m).
         method: A number of `methods`.
@@ -72,91 +68,132 @@ def distribute_each(
     left, tau, scale, order = np.empty((n, m)), np.empty(n), np.empty(n), np.empty(n, np.int64)
     start, basis, proof, work = np.empty(m), np.empty((m, r)), np.empty(m), np.empty((m, r))
     chosen, active, place, x = np.empty(r, np.int64), np.empty(r + 1, np.int64), np.empty(r + 1), np.empty(r)
-    least, most, weight = np.empty(m), np.empty(m), np.empty(m + r)
+    low, high, least, most, weight = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m + r)
     space = np.empty(max(linear.room(m, r), projection.room(m, r)))
     points, labels = np.empty((2, 2 * m + 4, 2)), np.empty((2, 2 * m + 4), np.int64)
     for k in range(structures.shape[0]):
         lower, upper = lowers[k], uppers[k]
         reference, cost = references[min(k, references.shape[0] - 1)], costs[min(k, costs.shape[0] - 1)]
         margin[k], status[k] = -np.inf, UNDEFINED
-        if not _answerable(structures[k], wrenches[k], lower, upper, reference, cost):
+        acting = _asked(method, reference, cost, lower, upper)
+        if not acting < np.inf:
             continue
-        rank = decompose(structures[k], left, tau, scale, order)
-        if rank < n:
-            status[k] = SINGULAR
-            unresisted(left, scale, order, rank, wrenches[k], proof, certificate[k])
+        status[k], depth = settle(
+            structures[k], wrenches[k], lower, upper, acting, left, tau, scale, order, start, basis, low, high,
+            least, most, chosen, work, space, active, place, proof, certificate[k],
+        )  # fmt: skip
+        if status[k] > NO:
             continue
-        null_columns(left, tau, basis)
-        least_norm(left, tau, scale, order, wrenches[k], start)
-        depth = _depth(start, basis, lower, upper, chosen, work, space, active, place, proof)
-        margin[k] = depth / _half(lower, upper)
+        margin[k] = share_of_window(status[k], depth, start, lower, upper)
         _copy(place, x)
-        inside = depth >= 0.0
-        if -_soften(start, basis, x, lower, upper, least, most) <= depth < 0.0:
-            inside = _depth(start, basis, least, most, chosen, work, space, active, place, proof) >= 0.0
-            if inside:
-                _copy(place, x)
-        if not inside:
-            status[k] = INFEASIBLE
-            if not upside_down(lower, upper):
-                carry_back(left, tau, scale, order, proof, certificate[k])
-        else:
-            status[k] = FEASIBLE
+        if status[k] == YES:
             if depth >= 0.0:
-                _widen(lower, upper, ROUNDING * _size(start, lower, upper) - depth, least, most)
+                _widen(low, high, ROUNDING * _size(start, low, high) - depth, least, most)
             if r == 1:
                 null = basis.reshape(m)
-                if depth >= 0.0:
-                    low, high = line.interval(null, start, lower, upper, 0.0)
-                else:
-                    low, high = line.interval(null, start, least, most, 0.0)
-                interval[k, 0], interval[k, 1] = low, high
-                x[0] = _on_line(method, reference, cost, start, null, lower, upper, depth, low, high)
+                _bracket(null, start, lower, upper, least, most, depth, interval[k])
+                if method != P_NORM and method != IMPROVED:
+                    x[0] = _on_line(method, reference, cost, start, null, lower, upper, depth, interval[k])
             if r == 2 and method == BARYCENTRE:
-                corners = clip(start, basis, lower, upper, chosen, points, labels)
-                if corners > 0:
-                    x[0], x[1] = centroid(points[0], corners)
+                _middle(start, basis, lower, upper, least, most, depth, chosen, points, labels, x)
             elif r > 1 or r == 1 and (method == P_NORM or method == IMPROVED):
                 _choose(
-                    method, power, reference, cost, start, basis, lower, upper, least, most, weight, depth, chosen,
+                    method, power, reference, cost, start, basis, low, high, least, most, weight, depth, chosen,
                     space, active, place, x,
                 )  # fmt: skip
         _tensions(start, basis, x, tensions[k])
-        if status[k] == FEASIBLE:
-            _soften(start, basis, x, lower, upper, least, most)
-            if r > 0 and method != CLOSED_FORM and method != IMPROVED and _outside(tensions[k], least, most):
-                projection.project(start, basis, least, most, x, space, active)
-                _tensions(start, basis, x, tensions[k])
-            _soften(start, basis, x, least, most, least, most)
-            if _outside(tensions[k], least, most):
-                status[k] = MISSED
+        if status[k] == YES and not _kept(method, start, basis, low, high, least, most, x, space, active, tensions[k]):
+            status[k] = MISSED
+
+
+@njit(cache=True, error_model="numpy")
+def _asked(method: int, reference: Array, cost: Array, lower: Array, upper: Array) -> float:
+    """Largest reference of a question [N]; infinite where reference, weights or open windows mean nothing to a method.
+
+    Without upper bounds there is no middle and no greatest depth, and a sum with a negative weight has no least.
+    """
+    size, total, opened, negative = 0.0, 0.0, False, False
+    for i in range(lower.size):
+        size = max(size, abs(reference[i]))
+        total += abs(reference[i]) + abs(cost[i]) + abs(lower[i])
+        opened = opened or math.isinf(upper[i])
+        negative = negative or cost[i] < 0.0
+    if opened and (
+        method == BARYCENTRE
+        or method == CLOSED_FORM
+        or method == IMPROVED
+        or method == MAX_MARGIN
+        or (method == LP and negative)
+    ):
+        return np.inf
+    return size if total < np.inf else np.inf
+
+
+@njit(cache=True, error_model="numpy")
+def _bracket(
+    null: Array, start: Array, lower: Array, upper: Array, least: Array, most: Array, depth: float, ends: Array
+) -> None:
+    """Write the ``lambda`` between which all bounds are kept, or what may be passed of them where they are not."""
+    if depth >= 0.0:
+        ends[0], ends[1] = line.interval(null, start, lower, upper, 0.0)
+    else:
+        ends[0], ends[1] = line.interval(null, start, least, most, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
 def _on_line(
     method: int, reference: Array, cost: Array, start: Array, null: Array, lower: Array, upper: Array,
-    depth: float, low: float, high: float,
+    depth: float, ends: Array,
 ) -> float:  # fmt: skip
-    """``lambda`` of the method for one cable too many; ``low`` to ``high`` are inside the box."""
+    """``lambda`` of the method for one cable too many; between its ``ends`` it is inside the box."""
+    low, high = ends[0], ends[1]
+    if method == BARYCENTRE:
+        return 0.5 * (low + high)
+    if method == MIN_MAX:
+        return line.least_largest(null, start, low, high)
+    if method == MIN_NORM:
+        return min(max(0.0, low), high)
     pull, stretch, middle = 0.0, 0.0, 0.0
     for i in range(null.size):
         pull += cost[i] * null[i] * (1.0 if method == LP else reference[i] - start[i])
         stretch += cost[i] * null[i] * null[i]
         middle += 0.5 * (lower[i] + upper[i]) * null[i]
-    if method == BARYCENTRE:
-        return 0.5 * (low + high)
-    if method == MIN_MAX:
-        return line.least_largest(null, start, low, high)
     if method == LP:
         return low if pull >= 0.0 else high
     if method == QP:
         return min(max(pull / stretch, low), high)
-    if method == MIN_NORM:
-        return min(max(0.0, low), high)
-    if method == CLOSED_FORM:
-        return middle
-    low, high = line.interval(null, start, lower, upper, depth)
-    return min(max(middle, low), high)
+    if method == MAX_MARGIN:
+        low, high = line.interval(null, start, lower, upper, depth)
+        return min(max(middle, low), high)
+    return middle
+
+
+@njit(cache=True, error_model="numpy")
+def _middle(
+    start: Array, basis: Array, lower: Array, upper: Array, least: Array, most: Array, depth: float, chosen: Index,
+    points: Array, labels: Index, x: Array,
+) -> None:  # fmt: skip
+    """Write the centre of the polygon to ``x``, which holds the deepest tensions and keeps them where it is a point."""
+    if depth >= 0.0:
+        corners = clip(start, basis, lower, upper, chosen, points, labels)
+    else:
+        corners = clip(start, basis, least, most, chosen, points, labels)
+    if corners > 0:
+        x[0], x[1] = centroid(points[0], corners)
+
+
+@njit(cache=True, error_model="numpy")
+def _kept(
+    method: int, start: Array, basis: Array, low: Array, high: Array, least: Array, most: Array, x: Array,
+    space: Array, active: Index, tensions: Array,
+) -> bool:  # fmt: skip
+    """Whether chosen tensions keep their bounds; those of a complete method, moved by rounding, are brought back."""
+    soften(start, basis, x, low, high, least, most)
+    if method != CLOSED_FORM and method != IMPROVED and x.size > 0 and _outside(tensions, least, most):
+        projection.project(start, basis, least, most, x, space, active)
+        _tensions(start, basis, x, tensions)
+    soften(start, basis, x, least, most, least, most)
+    return not _outside(tensions, least, most)
 
 
 @njit(cache=True, error_model="numpy")
@@ -214,56 +251,6 @@ def _copy(place: Array, x: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _answerable(structure: Array, wrench: Array, lower: Array, upper: Array, reference: Array, cost: Array) -> bool:
-    """Whether all is finite and every cable has a length; of one without, nobody knows where it pulls."""
-    total = 0.0
-    for j in range(structure.shape[0]):
-        total += wrench[j]
-    for i in range(structure.shape[1]):
-        column = 0.0
-        for j in range(structure.shape[0]):
-            column += abs(structure[j, i])
-        if column == 0.0:
-            return False
-        total += column + lower[i] + upper[i] + reference[i] + cost[i]
-    return math.isfinite(total)
-
-
-@njit(cache=True, error_model="numpy")
-def _half(lower: Array, upper: Array) -> float:
-    """Half the widest window [N]."""
-    widest = upper[0] - lower[0]
-    for i in range(1, lower.size):
-        widest = max(widest, upper[i] - lower[i])
-    return float(0.5 * widest)
-
-
-@njit(cache=True, error_model="numpy")
-def _depth(
-    start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, work: Array,
-    space: Array, active: Index, place: Array, proof: Array,
-) -> float:  # fmt: skip
-    """Greatest least distance to a bound [N], its ``lambda`` in ``place``; on a line the null vector is turned up."""
-    m, r = basis.shape
-    if r != 1:
-        linear.independent(basis, work, chosen)
-        linear.deepest(start, basis, lower, upper, chosen, space, active, place, proof)
-        return float(place[r])
-    null = basis.reshape(m)
-    total = 0.0
-    for i in range(m):
-        total += null[i]
-    if total < 0.0:
-        for i in range(m):
-            null[i] = -null[i]
-    depth = line.deepest(null, start, lower, upper, proof)
-    if depth < 0.0:
-        low, high = line.interval(null, start, lower, upper, depth)
-        place[0] = 0.5 * (low + high)
-    return depth
-
-
-@njit(cache=True, error_model="numpy")
 def _size(start: Array, lower: Array, upper: Array) -> float:
     """Largest force that enters [N]; rounding is measured against it."""
     size = 0.0
@@ -272,28 +259,6 @@ def _size(start: Array, lower: Array, upper: Array) -> float:
     for i in range(lower.size):
         size = max(size, max(abs(lower[i]), abs(upper[i])))
     return float(size)
-
-
-@njit(cache=True, error_model="numpy")
-def _soften(start: Array, basis: Array, x: Array, lower: Array, upper: Array, least: Array, most: Array) -> float:
-    """Write the bounds moved outwards by what may be passed of each [N]; the greatest of those allowances.
-
-    The bounds may be overwritten in place.
-    """
-    size, load, greatest = 0.0, 0.0, 0.0
-    for i in range(start.size):
-        load = max(load, abs(start[i]))
-        size = max(size, min(abs(lower[i]), abs(upper[i])))
-    size = max(size, load)
-    for i in range(start.size):
-        own = load
-        for j in range(x.size):
-            own += abs(basis[i, j] * x[j])
-        share = TOLERANCE * max(min(0.5 * (upper[i] - lower[i]), size), 0.0)
-        under, over = share + LOST * (own + abs(lower[i])), share + LOST * (own + abs(upper[i]))
-        greatest = max(greatest, max(under, over))
-        least[i], most[i] = lower[i] - under, upper[i] + over
-    return float(greatest)
 
 
 @njit(cache=True, error_model="numpy")

@@ -7,61 +7,47 @@ plane or more. `METHODS` says which of those inside the box each method chooses 
 
 *Margin*: the greatest least distance to a bound over all solutions, divided by half the widest window. 1 is the middle
 of the box, 0 its surface; -0.1 means every bound would have to give way by a tenth of that half-width. It belongs to
-the question and not to the method: the chosen tensions may be on the surface where the margin is 0.5.
+the question and not to the method: the chosen tensions may be on the surface where the margin is 0.5. It is negative
+exactly where the question is infeasible.
 
-*Feasible* does not depend on that width: each bound may be passed by what `choice` allows for its own numbers.
+*Feasible* does not depend on that width: each bound may be passed by what `depth` allows for its own numbers.
+
+*Open windows*: an upper bound may be infinite where the method says so (`MethodRecord.open_windows`), and the question
+is ``UNDEFINED`` to one that does not. Windows without an upper end have no width: the margin is counted in the widest
+one that has, and where there is none in the largest force that must act; it is infinite where nothing limits.
 
 *Certificate*: that distance is set by at most r + 1 bounds. Their weights, carried back through the structure matrix,
 are a vector ``z`` with ``z . (structure @ f + wrench) >= gap > 0`` for every ``f`` in the box (Farkas): a motion of the
 platform along which tensions and load do positive work whatever is tried. `certificate_gap` checks it, however it was
 found.
 
-A singular structure matrix is never feasible here, whatever the load, because an arbitrarily small disturbance would
-not be resisted; the certificate is then the direction of that disturbance. A cable of zero length has no direction, and
-nothing is known about it. Nothing raises for a state a control loop can meet: read `Status`.
+A singular pose (`degeneracy`) is never feasible here, whatever the load, because an arbitrarily small disturbance would
+not be resisted; the certificate is then the direction of that disturbance. A window whose lower end is above its upper
+one is infeasible. Nothing raises for a state a control loop can meet: read the status.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import each_cable, leading, numbers, spread, structures_of, vectors
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
+from steeplejack.mechanics.cable.status import DistributionStatus
 from steeplejack.mechanics.cable.tension import choice
-from steeplejack.mechanics.cable.tension.line import TOLERANCE
 from steeplejack.mechanics.cable.tension.methods import METHODS, Method, MethodRecord
 
 Array = NDArray[np.float64]
 
+NOISE = 1e-14
+"""Rounding of a product of two vectors, relative to the sizes of its terms [1]."""
+
 GREATEST_POWER = 64.0
 """Of the p-norm [1]; beyond it, min-max is meant."""
-
-
-class Status(IntEnum):
-    """How a distribution ended; `advice` says what to do."""
-
-    FEASIBLE = choice.FEASIBLE
-    INFEASIBLE = choice.INFEASIBLE
-    SINGULAR = choice.SINGULAR
-    UNDEFINED = choice.UNDEFINED
-    MISSED = choice.MISSED
-
-    @property
-    def advice(self) -> str:
-        """One line for a person."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    Status.FEASIBLE: "tensions hold the load inside their bounds",
-    Status.INFEASIBLE: "no tensions inside the bounds hold the load; move the pose or the anchors, or widen the window",
-    Status.SINGULAR: "the cables cannot resist the certificate's wrench at all; move off the singular pose",
-    Status.UNDEFINED: "an input is not finite, or a cable has no length; check pose, wrench and bounds",
-    Status.MISSED: "tensions inside the bounds exist, but this method left them; use a complete one, such as qp",
-}
 
 
 @dataclass(frozen=True)
@@ -72,13 +58,14 @@ class TensionDistribution:
         tensions: In equilibrium with the wrench, (..., m) [N]. Where infeasible, the ones that leave the box by the
             least; not a number where singular or undefined.
         feasible: Whether they are inside the bounds, (...).
-        margin: Greatest distance inside the box over half the widest window, (...) [1]; negative where there is no
-            answer, -inf where singular or undefined. Where ``MISSED`` it is not negative.
+        margin: Depth in the box over half the widest window, a share, (...) [1]; negative where there is no answer,
+            -inf where singular or undefined. Where ``MISSED`` it is not negative. (`capacity_margin` is another: a
+            force.)
         interval: For one cable too many, ``lambda`` that stays inside, growing with pretension, (..., 2) [N]; not a
             number elsewhere (see `tension_polygon` for two cables too many).
         certificate: ``z`` that proves infeasibility, (..., n); not a number where feasible tensions exist, and where a
             least tension is above its greatest, which needs no proof.
-        status: `Status` by number, (...).
+        status: `DistributionStatus` by number, (...).
     """
 
     tensions: Array
@@ -106,7 +93,7 @@ def distribute(
         structure: (..., n, m), m >= n; rows in any units.
         wrench: External wrench on the platform, same rows, (..., n).
         lower: Least tensions, finite, (..., m) or a scalar [N].
-        upper: Greatest tensions, finite, (..., m) or a scalar [N].
+        upper: Greatest tensions, (..., m) or a scalar [N]; may be inf where the method takes open windows.
         method: One of `METHODS`.
         reference: Tensions to stay near to, (..., m) or a scalar [N]; for ``qp`` (the middle of the box if None) and
             ``p-norm`` (zero if None).
@@ -118,31 +105,38 @@ def distribute(
         Tensions with margin, certificate and status, over the broadcast leading axes.
 
     Raises:
-        InputError: Unknown method, one that does not take so many cables or that option, or bounds with no open window.
+        InputError: Unknown method, one that does not take so many cables or that option, no numbers, or shapes that do
+            not match.
     """
     if method not in METHODS:
         raise InputError("method", f"{method!r}", f"one of {', '.join(METHODS)}")
-    matrix, load, low, high = (np.asarray(value, dtype=np.float64) for value in (structure, wrench, lower, upper))
-    n, m = _sizes(matrix, method, METHODS[method])
+    matrices, poses = structures_of(structure)
+    _, n, m = matrices.shape
+    _check_redundancy(method, METHODS[method], n, m)
     _check_options(method, METHODS[method], reference, weights, power)
-    costs = np.asarray(1.0 if weights is None else weights, dtype=np.float64)
-    wanted = np.asarray(0.0 if reference is None else reference, dtype=np.float64)
-    each = {"lower": low, "upper": high, "reference": wanted, "weights": costs}
-    shape = _leading(matrix.shape[:-2], (n,), {"wrench": load}, _leading((), (m,), each, ()))
+    load, low, high = vectors("wrench", wrench, n), each_cable("lower", lower, m), each_cable("upper", upper, m)
+    costs = each_cable("weights", 1.0 if weights is None else weights, m)
+    wanted = each_cable("reference", 0.0 if reference is None else reference, m)
+    shape = leading(
+        ("structure", (*poses, n, m), 2),
+        ("wrench", load.shape, 1),
+        ("lower", low.shape, 1),
+        ("upper", high.shape, 1),
+        ("reference", wanted.shape, 1),
+        ("weights", costs.shape, 1),
+    )
     if method == "qp" and reference is None:
-        wanted = 0.5 * (low + high)
-    if np.any(np.max(np.broadcast_to(high - low, (*shape, m)), axis=-1) <= 0.0):
-        raise InputError("tension bounds", "no window is open", "at least one upper bound above its lower one")
-    count = int(np.prod(shape))
+        wanted = low + 0.5 * (high - low)
+    count = math.prod(shape)
     tensions, interval, certificate = (np.full((count, size), np.nan) for size in (m, 2, n))
     margin, status = np.empty(count), np.empty(count, np.int64)
     choice.distribute_each(
-        _stack(matrix, shape, (n, m)),
-        _stack(load, shape, (n,)),
-        _stack(low, shape, (m,)),
-        _stack(high, shape, (m,)),
-        _stack(wanted, shape if wanted.ndim > 1 else (1,), (m,)),
-        _stack(costs, shape if costs.ndim > 1 else (1,), (m,)),
+        spread(matrices.reshape(*poses, n, m), shape, (n, m)),
+        spread(load, shape, (n,)),
+        spread(low, shape, (m,)),
+        spread(high, shape, (m,)),
+        spread(wanted, shape if wanted.ndim > 1 else (1,), (m,)),
+        spread(costs, shape if costs.ndim > 1 else (1,), (m,)),
         METHODS[method].number,
         4.0 if power is None else float(power),
         tensions,
@@ -153,7 +147,7 @@ def distribute(
     )
     return TensionDistribution(
         tensions=tensions.reshape(*shape, m),
-        feasible=(status == Status.FEASIBLE).reshape(shape),
+        feasible=(status == DistributionStatus.FEASIBLE).reshape(shape),
         margin=margin.reshape(shape),
         interval=interval.reshape(*shape, 2),
         certificate=certificate.reshape(*shape, n),
@@ -166,8 +160,9 @@ def certificate_gap(
 ) -> Array:
     """Least value of ``z . (structure @ f + wrench)`` over the box; positive proves that no ``f`` in it balances.
 
-    A component of ``structure^T z`` of at most ``TOLERANCE`` times the largest is taken for the rounding of a zero
-    where the bound it reaches for is infinite, as in `wrench_feasible`; against finite bounds every component counts.
+    Components of ``structure^T z`` that reach for infinite bounds, but are together at most ``degeneracy.TOLERANCE`` of
+    the others, or each no more than the rounding of its terms, are zeros, as in `wrench_feasible`; against finite
+    bounds every component counts.
 
     Args:
         certificate: ``z``, (..., n).
@@ -177,43 +172,40 @@ def certificate_gap(
         upper: (..., m) or a scalar; may be inf [N].
 
     Returns:
-        The gap, (...) [N], -inf where an infinite bound is reached for; for an infeasible `distribute`, ``-margin``
-        times half the widest window.
+        The gap, (...) [N], -inf where an infinite bound is reached for; for an infeasible `distribute` of finite
+        windows, ``-margin`` times half the widest one.
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    z = np.asarray(certificate, dtype=np.float64)
-    power = np.einsum("...r,...rc->...c", z, np.asarray(structure, dtype=np.float64))
-    bound = np.where(power > 0.0, np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64))
-    noise = np.isinf(bound) & (np.abs(power) <= TOLERANCE * np.abs(power).max(axis=-1, keepdims=True))
-    least = (power * np.where(noise, 0.0, bound)).sum(axis=-1)
-    return least + np.sum(z * np.asarray(wrench), axis=-1)
-
-
-def _sizes(matrix: Array, method: str, record: MethodRecord) -> tuple[int, int]:
-    """Rows and cables of a structure matrix the method takes."""
-    if matrix.ndim < 2 or not 0 < matrix.shape[-2] <= matrix.shape[-1]:
-        raise InputError(
-            "structure matrix", f"shape {matrix.shape}", "(..., n, m) with at least as many cables as rows"
-        )
+    matrix = vectors("structure", structure, "n", "m")
     n, m = matrix.shape[-2:]
+    z, load = vectors("certificate", certificate, n), vectors("wrench", wrench, n)
+    low, high = each_cable("lower", lower, m), each_cable("upper", upper, m)
+    leading(
+        ("structure", matrix.shape, 2),
+        ("certificate", z.shape, 1),
+        ("wrench", load.shape, 1),
+        ("lower", low.shape, 1),
+        ("upper", high.shape, 1),
+    )
+    power = np.einsum("...r,...rc->...c", z, matrix)
+    bound = np.where(power > 0.0, low, high)
+    noise = NOISE * np.sum(np.abs(z) * np.abs(matrix).max(axis=-1), axis=-1, keepdims=True)
+    endless, size = np.isinf(bound), np.where(np.abs(power) > noise, np.abs(power), 0.0)
+    reached = np.sum(size * endless, axis=-1) > TOLERANCE * np.sum(size * ~endless, axis=-1)
+    least = (power * np.where(endless, 0.0, bound)).sum(axis=-1) + np.sum(z * load, axis=-1)
+    return np.where(reached, -np.inf, least)
+
+
+def _check_redundancy(method: str, record: MethodRecord, n: int, m: int) -> None:
+    """Refuse robots that a method does not take."""
+    if n > m:
+        raise InputError("structure", f"{n} rows and {m} cables", "(..., n, m) with at least as many cables as rows")
     if record.most_redundancy is not None and m - n > record.most_redundancy:
         raise InputError(
             "method", f"{method} with {m - n} cables too many", f"at most {record.most_redundancy} of them"
         )
-    return n, m
-
-
-def _leading(
-    shape: tuple[int, ...], tail: tuple[int, ...], values: dict[str, Array], other: tuple[int, ...]
-) -> tuple[int, ...]:
-    """Leading axes that all values broadcast to, their last axis being ``tail``."""
-    shape = np.broadcast_shapes(shape, other)
-    for name, value in values.items():
-        try:
-            shape = np.broadcast_shapes((*shape, *tail), value.shape)[:-1]
-        except ValueError:
-            raise InputError(name, f"shape {value.shape}", f"shape (..., {tail[0]}) over {shape}") from None
-
-    return shape
 
 
 def _check_options(
@@ -224,12 +216,7 @@ def _check_options(
         if value is not None and name not in record.options:
             readers = [other for other, known in METHODS.items() if name in known.options]
             raise InputError(name, f"not read by {method}", f"only with {' or '.join(readers)}")
-    if power is not None and not 2.0 <= power <= GREATEST_POWER:
-        raise InputError("power", f"{power:g}", f"2 to {GREATEST_POWER:g}")
-    if method == "qp" and weights is not None and np.any(np.asarray(weights, dtype=np.float64) <= 0.0):
-        raise InputError("weights", f"{np.min(np.asarray(weights, dtype=np.float64)):g}", "positive")
-
-
-def _stack(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Broadcast to ``shape + tail``, leading axes flattened to one; always a copy, so that one compilation serves."""
-    return np.array(np.broadcast_to(values, (*shape, *tail)), order="C").reshape(-1, *tail)
+    if power is not None and not (np.ndim(power) == 0 and 2.0 <= numbers("power", power) <= GREATEST_POWER):
+        raise InputError("power", f"{power}", f"2 to {GREATEST_POWER:g}")
+    if method == "qp" and weights is not None and np.any(numbers("weights", weights) <= 0.0):
+        raise InputError("weights", f"{np.min(numbers('weights', weights)):g}", "positive")

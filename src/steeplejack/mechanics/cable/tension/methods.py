@@ -35,6 +35,8 @@ class MethodRecord:
         complete: Whether it finds tensions wherever there are some.
         continuous: Whether tensions are continuous along a path on which the margin stays positive.
         most_redundancy: Greatest number of cables too many it takes; None for any.
+        open_windows: Whether it takes infinite upper bounds: ``qp`` with a reference given, ``lp`` without negative
+            weights.
         options: Options of `distribute` it reads.
         source: Where it comes from.
     """
@@ -44,6 +46,7 @@ class MethodRecord:
     complete: bool
     continuous: bool
     most_redundancy: int | None
+    open_windows: bool
     options: tuple[Option, ...]
     source: str
 
@@ -55,6 +58,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=False,
         continuous=True,
         most_redundancy=None,
+        open_windows=False,
         options=(),
         source="Pott, Bruckmann and Mikelsons 2009",
     ),
@@ -64,6 +68,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=False,
         continuous=False,
         most_redundancy=None,
+        open_windows=False,
         options=(),
         source="Pott 2013",
     ),
@@ -73,6 +78,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=True,
         most_redundancy=2,
+        open_windows=False,
         options=(),
         source="Mikelsons et al. 2008; Lamaury and Gouttefarde 2013",
     ),
@@ -82,6 +88,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=False,
         most_redundancy=None,
+        open_windows=True,
         options=(),
         source="linear program; Shiang, Cannon and Gorman 2000",
     ),
@@ -91,6 +98,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=True,
         most_redundancy=None,
+        open_windows=True,
         options=(),
         source="quadratic program; Verhoeven 2004",
     ),
@@ -100,6 +108,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=True,
         most_redundancy=None,
+        open_windows=True,
         options=("reference", "power"),
         source="Gosselin and Grenier 2011",
     ),
@@ -109,6 +118,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=False,
         most_redundancy=None,
+        open_windows=False,
         options=(),
         source="linear program; Borgstrom et al. 2009",
     ),
@@ -118,6 +128,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=True,
         most_redundancy=None,
+        open_windows=True,
         options=("reference", "weights"),
         source="quadratic program; Bruckmann et al. 2006",
     ),
@@ -127,6 +138,7 @@ METHODS: dict[Method, MethodRecord] = {
         complete=True,
         continuous=False,
         most_redundancy=None,
+        open_windows=True,
         options=("weights",),
         source="linear program; Oh and Agrawal 2005",
     ),

@@ -9,10 +9,7 @@ with ``D`` the row lengths, ``P`` a permutation, ``L`` lower triangular and ``Q`
 are the null space, ``f = -Q L^-1 P D^-1 wrench`` the least-norm tensions, and ``z = D^-1 P^T L^-T Q^T v`` carries a
 vector ``v`` of the row space back to the platform, ``structure^T z = v``.
 
-Degeneracy. A row counts as dependent on the others where less than `TOLERANCE` of its length is left when they are
-taken away; rows may be in any units, and their scale does not matter. The columns are taken as they come: unit forces,
-with moments about a point on the platform (about a point a billion platform sizes away every robot is singular). A
-cable of zero length has a zero column; it moves no platform, so here it is one more null direction.
+What counts as singular is told by `degeneracy`; the volume of the rows, from the diagonal of ``L``, settles most poses.
 
 The kernels write to arrays of the caller and trust finite input; `null_space` is for NumPy.
 """
@@ -21,42 +18,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import structures_of
+from steeplejack.mechanics.cable.degeneracy import decide, row_scales, surely_regular
+from steeplejack.mechanics.cable.status import RankStatus
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-9
-"""Share of a row's length below which it counts as dependent on the others [1]."""
-
 DOUBTFUL = 1e-4  # [1] length of a row's rest below which rests are measured anew, as differences of squares lose digits
-
-FULL, DEFICIENT, UNDEFINED = range(3)
-
-
-class RankStatus(IntEnum):
-    """What the rows of a structure matrix span; `advice` says what to do."""
-
-    FULL = FULL
-    DEFICIENT = DEFICIENT
-    UNDEFINED = UNDEFINED
-
-    @property
-    def advice(self) -> str:
-        """One line for a person."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    RankStatus.FULL: "the cables resist every wrench if they may push and pull",
-    RankStatus.DEFICIENT: "some wrench is resisted by no cable; move off the singular pose",
-    RankStatus.UNDEFINED: "an entry is not finite; check the pose and the geometry",
-}
 
 
 @dataclass(frozen=True)
@@ -67,7 +41,7 @@ class NullSpace:
         basis: Orthonormal columns ``N`` with ``structure @ N = 0``, (..., m, m - n) [1]; not a number where the rank
             is below n (the null space is then wider) or undefined. Neighbouring poses may get bases turned against
             each other: only the space is continuous.
-        rank: Independent rows, (...); -1 where undefined.
+        rank: Independent rows (`degeneracy.rank`), (...); -1 where undefined.
         status: `RankStatus` by number, (...).
     """
 
@@ -80,7 +54,7 @@ def null_space(structure: ArrayLike) -> NullSpace:
     """Orthonormal null space of structure matrices.
 
     Args:
-        structure: (..., n, m) with n <= m; rows in any units.
+        structure: (..., n, m) with n <= m.
 
     Returns:
         Basis, rank and status over the leading axes.
@@ -88,16 +62,15 @@ def null_space(structure: ArrayLike) -> NullSpace:
     Raises:
         InputError: Not a matrix, or more rows than cables.
     """
-    matrix = np.asarray(structure, dtype=np.float64)
-    if matrix.ndim < 2 or not 0 < matrix.shape[-2] <= matrix.shape[-1]:
+    flat, shape = structures_of(structure)
+    n, m = flat.shape[1:]
+    if n > m:
         raise InputError(
-            "structure matrix", f"shape {matrix.shape}", "(..., n, m) with at least as many cables as rows"
+            "structure", f"shape {np.shape(structure)}", "(..., n, m) with at least as many cables as rows"
         )
-    (n, m), shape = matrix.shape[-2:], matrix.shape[:-2]
-    flat = np.array(matrix, order="C").reshape(-1, n, m)
     basis, rank = np.full((len(flat), m, m - n), np.nan), np.full(len(flat), -1)
     null_space_each(flat, basis, rank)
-    status = np.where(rank < 0, RankStatus.UNDEFINED, np.where(rank < n, RankStatus.DEFICIENT, RankStatus.FULL))
+    status = np.where(rank < 0, RankStatus.UNDEFINED, np.where(rank < n, RankStatus.SINGULAR, RankStatus.FULL))
     return NullSpace(basis.reshape(*shape, m, m - n), rank.reshape(shape), status.reshape(shape))
 
 
@@ -108,19 +81,26 @@ def null_space_each(structures: Array, basis: Array, rank: NDArray[np.int64]) ->
     Args:
         structures: (k, n, m).
         basis: Written where the rank is n, (k, m, m - n).
-        rank: Written where the matrix is finite, (k,).
+        rank: Written where it is defined, (k,).
     """
     n, m = structures.shape[1], structures.shape[2]
     left, tau, scale, order = np.empty((n, m)), np.empty(n), np.empty(n), np.empty(n, np.int64)
+    kinds, rows, motions, sizes = np.empty(n), np.empty((n, m)), np.empty((n, n)), np.empty(n)
     for k in range(structures.shape[0]):
-        if math.isfinite(structures[k].sum()):
-            rank[k] = decompose(structures[k], left, tau, scale, order)
-            if rank[k] == n:
-                null_columns(left, tau, basis[k])
+        squares = row_scales(structures[k], kinds)
+        if not squares > 0.0:
+            continue
+        volume, rank[k] = decompose(structures[k], left, tau, scale, order), n
+        for r in range(n):
+            volume *= kinds[r]
+        if not surely_regular(volume, squares, n):
+            rank[k] = decide(structures[k], kinds, rows, motions, sizes)
+        if rank[k] == n:
+            null_columns(left, tau, basis[k])
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
-def decompose(structure: Array, left: Array, tau: Array, scale: Array, order: NDArray[np.int64]) -> int:
+def decompose(structure: Array, left: Array, tau: Array, scale: Array, order: NDArray[np.int64]) -> float:
     """Factorise one matrix, ``P D^-1 structure = L Q^T``.
 
     Args:
@@ -132,9 +112,11 @@ def decompose(structure: Array, left: Array, tau: Array, scale: Array, order: ND
         order: Written, which row each row of ``left`` was, (n,).
 
     Returns:
-        The rank; what ``left`` and ``tau`` hold from there on is not to be used as a reflection.
+        Volume of the rows, ``sqrt(det(structure structure^T))``; 0 where a row is exactly dependent on others, and then
+        nothing written is to be used.
     """
     n, m = structure.shape
+    volume = 1.0
     for i in range(n):
         size = 0.0
         for j in range(m):
@@ -156,13 +138,14 @@ def decompose(structure: Array, left: Array, tau: Array, scale: Array, order: ND
                 if tau[i] > size:
                     best, size = i, tau[i]
                 tau[i] = tau[i] * tau[i]
-        if not size > TOLERANCE:
-            return k
+        if not size > 0.0:
+            return 0.0
         if best != k:
             order[k], order[best] = order[best], order[k]
             tau[k], tau[best] = tau[best], tau[k]
             for j in range(m):
                 left[k, j], left[best, j] = left[best, j], left[k, j]
+        volume *= size * scale[order[k]]
         head = left[k, k]
         turned = -size if head > 0.0 else size
         tau[k] = (turned - head) / turned
@@ -179,7 +162,7 @@ def decompose(structure: Array, left: Array, tau: Array, scale: Array, order: ND
             tau[i] -= left[i, k] * left[i, k]
             for j in range(k + 1, m):
                 left[i, j] -= dot * left[k, j]
-    return n
+    return float(volume)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
@@ -271,54 +254,3 @@ def carry_back(left: Array, tau: Array, scale: Array, order: NDArray[np.int64], 
             v[k] -= left[i, k] * v[i]
         v[k] /= left[k, k]
         z[order[k]] = v[k] / scale[order[k]]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
-def unresisted(
-    left: Array, scale: Array, order: NDArray[np.int64], rank: int, wrench: Array, v: Array, z: Array
-) -> None:
-    """Write a unit motion ``z`` of a matrix of lower rank that no cable resists, ``structure^T z = 0``.
-
-    Of all such motions one along which the wrench does positive work, if there is one.
-
-    Args:
-        left: From `decompose`, (n, m).
-        scale: From `decompose`, (n,).
-        order: From `decompose`, (n,).
-        rank: From `decompose`, below n.
-        wrench: (n,).
-        v: Overwritten, at least (n,).
-        z: Written, (n,).
-    """
-    n = left.shape[0]
-    load = 0.0
-    for i in range(n):
-        z[i] = 0.0
-        load += (wrench[i] / scale[i]) ** 2
-    threshold = TOLERANCE * math.sqrt(load)
-    found = False
-    for row in range(n - 1, rank - 1, -1):
-        for i in range(n):
-            v[i] = 0.0
-        v[row] = 1.0
-        for k in range(rank - 1, -1, -1):
-            v[k] = -left[row, k]
-            for i in range(k + 1, rank):
-                v[k] -= left[i, k] * v[i]
-            v[k] /= left[k, k]
-        work = 0.0
-        for i in range(n):
-            work += v[i] * wrench[order[i]] / scale[order[i]]
-        if abs(work) > threshold:
-            found = True
-        elif found or row > rank:
-            continue
-        else:
-            work = 1.0
-        for i in range(n):
-            z[order[i]] += work * v[i] / scale[order[i]]
-    size = 0.0
-    for i in range(n):
-        size += z[i] * z[i]
-    for i in range(n):
-        z[i] /= math.sqrt(size)

@@ -6,14 +6,14 @@ Lamaury and Gouttefarde 2013). Its congruent image in the space of tensions does
 
 The two cables whose rows of ``N`` are most independent make a parallelogram; the other cables' sides are cut off one
 by one. A cable the null space does not move (a row of zeros: its tension is fixed by the wrench) has no side; it makes
-the set empty or leaves it alone. Cables with parallel rows cut parallel sides. Where nothing is left, at most three
-bounds exclude each other (Helly); their weights, found by `linear.deepest`, are carried back to a separating motion
-``z`` of the platform.
+the set empty or leaves it alone. Cables with parallel rows cut parallel sides.
+
+Whether there are feasible tensions is decided first, by the rule that `distribute` and `wrench_feasible` follow too
+(`depth`). Where the set is thinner than its corners can be told apart, the deepest tensions are its one corner.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,14 +21,14 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.tension.linear import deepest, independent, room
-from steeplejack.mechanics.cable.tension.nullspace import carry_back, decompose, least_norm, null_columns, unresisted
+from steeplejack.mechanics.cable.arguments import each_cable, leading, spread, structures_of, vectors
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
+from steeplejack.mechanics.cable.status import UNDEFINED, YES
+from steeplejack.mechanics.cable.tension.depth import settle, upside_down
+from steeplejack.mechanics.cable.tension.linear import independent, room
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-FIXED = 1e-9
-"""Length of a cable's row of the null basis below which its tension counts as fixed [1]."""
 
 SLACK = 1e-12
 """How far outside a bound still counts as on it, relative to the numbers that meet there [1]."""
@@ -49,12 +49,14 @@ class TensionPolygon:
         certificate: ``z`` that proves infeasibility (see `certificate_gap`), or that no cable resists where the rows
             are dependent, (..., n); not a number where there are feasible tensions, and where a least tension is above
             its greatest, which needs no proof.
+        status: `FeasibilityStatus` by number, (...); there are corners exactly where it is ``FEASIBLE``.
     """
 
     corners: Array
     sides: Index
     count: Index
     certificate: Array
+    status: Index
 
 
 def tension_polygon(structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> TensionPolygon:
@@ -67,38 +69,41 @@ def tension_polygon(structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, u
         upper: Greatest tensions, (..., m) or a scalar [N].
 
     Returns:
-        Corners, sides and certificate over the broadcast leading axes. Where an input is not finite, or a column is
-        zero (a cable without length), there are no corners and no certificate; `distribute` says ``UNDEFINED`` there.
+        Corners, sides, certificate and status over the broadcast leading axes. With an infinite bound the set need not
+        be a polygon: ``UNDEFINED``.
 
     Raises:
-        InputError: Not two cables too many.
+        InputError: No numbers, not two cables too many, or shapes that do not match.
     """
-    matrix = np.asarray(structure, dtype=np.float64)
-    if matrix.ndim < 2 or matrix.shape[-1] < 3 or matrix.shape[-1] - matrix.shape[-2] != 2:
-        raise InputError("structure matrix", f"shape {matrix.shape}", "(..., m - 2, m): two cables too many")
-    n, m = matrix.shape[-2:]
-    load, low, high = (np.asarray(value, dtype=np.float64) for value in (wrench, lower, upper))
-    shape = np.broadcast_shapes(matrix.shape[:-2], load.shape[:-1], low.shape[:-1], high.shape[:-1])
-    structures, wrenches, lowers, uppers = (
-        np.array(np.broadcast_to(value, (*shape, *tail)), order="C").reshape(-1, *tail)
-        for value, tail in ((matrix, (n, m)), (load, (n,)), (low, (m,)), (high, (m,)))
+    matrix, poses = structures_of(structure)
+    _, n, m = matrix.shape
+    if m - n != 2:
+        raise InputError("structure", f"shape {np.shape(structure)}", "(..., m - 2, m): two cables too many")
+    load, low, high = vectors("wrench", wrench, n), each_cable("lower", lower, m), each_cable("upper", upper, m)
+    shape = leading(
+        ("structure", (*poses, n, m), 2), ("wrench", load.shape, 1), ("lower", low.shape, 1), ("upper", high.shape, 1)
     )
+    structures = spread(matrix.reshape(*poses, n, m), shape, (n, m))
     total = len(structures)
     corners, sides = np.full((total, 2 * m, m), np.nan), np.full((total, 2 * m), -1)
-    count, certificate = np.zeros(total, np.int64), np.full((total, n), np.nan)
-    polygons_each(structures, wrenches, lowers, uppers, corners, sides, count, certificate)
+    count, certificate, status = np.zeros(total, np.int64), np.full((total, n), np.nan), np.empty(total, np.int64)
+    polygons_each(
+        structures, spread(load, shape, (n,)), spread(low, shape, (m,)), spread(high, shape, (m,)),
+        corners, sides, count, certificate, status,
+    )  # fmt: skip
     return TensionPolygon(
         corners.reshape(*shape, 2 * m, m),
         sides.reshape(*shape, 2 * m),
         count.reshape(shape),
         certificate.reshape(*shape, n),
+        status.reshape(shape),
     )
 
 
 @njit(cache=True, error_model="numpy")
 def polygons_each(
     structures: Array, wrenches: Array, lowers: Array, uppers: Array,
-    corners: Array, sides: Index, counts: Index, certificates: Array,
+    corners: Array, sides: Index, counts: Index, certificates: Array, status: Index,
 ) -> None:  # fmt: skip
     """Polygon of every question of a batch; the kernel of `tension_polygon`.
 
@@ -109,42 +114,35 @@ def polygons_each(
         uppers: (k, m) [N].
         corners: Written up to each count, (k, 2 m, m) [N].
         sides: Written up to each count, (k, 2 m).
-        counts: Written, (k,).
-        certificates: Written where there are no corners, (k, m - 2).
+        counts: Written where feasible, (k,).
+        certificates: Written where infeasible or singular, (k, m - 2).
+        status: Written, (k,).
     """
     n, m = structures.shape[1], structures.shape[2]
     left, tau, scale, order = np.empty((n, m)), np.empty(n), np.empty(n), np.empty(n, np.int64)
     start, basis, proof, chosen = np.empty(m), np.empty((m, 2)), np.empty(m), np.empty(2, np.int64)
     work, points, labels = np.empty((m, 2)), np.empty((2, 2 * m + 4, 2)), np.empty((2, 2 * m + 4), np.int64)
     space, active, place = np.empty(room(m, 2)), np.empty(3, np.int64), np.empty(3)
+    low, high, least, most = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     for k in range(structures.shape[0]):
         lower, upper = lowers[k], uppers[k]
-        if not _answerable(structures[k], wrenches[k], lower, upper):
+        if not np.isfinite(lower.sum() + upper.sum()):
+            status[k] = UNDEFINED
             continue
-        rank = decompose(structures[k], left, tau, scale, order)
-        if rank < n:
-            unresisted(left, scale, order, rank, wrenches[k], proof, certificates[k])
+        status[k], _ = settle(
+            structures[k], wrenches[k], lower, upper, 0.0, left, tau, scale, order, start, basis, low, high,
+            least, most, chosen, work, space, active, place, proof, certificates[k],
+        )  # fmt: skip
+        if status[k] != YES:
             continue
-        null_columns(left, tau, basis)
-        least_norm(left, tau, scale, order, wrenches[k], start)
         independent(basis, work, chosen)
         counts[k] = clip(start, basis, lower, upper, chosen, points, labels)
-        if counts[k] == 0 and not upside_down(lower, upper):
-            deepest(start, basis, lower, upper, chosen, space, active, place, proof)
-            carry_back(left, tau, scale, order, proof, certificates[k])
+        if counts[k] == 0:
+            counts[k], points[0, 0, 0], points[0, 0, 1], labels[0, 0] = 1, place[0], place[1], active[0]
         for c in range(counts[k]):
             sides[k, c] = labels[0, c]
             for i in range(m):
                 corners[k, c, i] = start[i] + basis[i, 0] * points[0, c, 0] + basis[i, 1] * points[0, c, 1]
-
-
-@njit(cache=True, error_model="numpy")
-def _answerable(structure: Array, wrench: Array, lower: Array, upper: Array) -> bool:
-    """Whether all is finite and every cable has a length, as `distribution` asks too."""
-    for i in range(structure.shape[1]):
-        if not np.abs(structure[:, i]).sum() > 0.0:
-            return False
-    return math.isfinite(structure.sum() + wrench.sum() + lower.sum() + upper.sum())
 
 
 @njit(cache=True, error_model="numpy")
@@ -186,8 +184,8 @@ def clip(start: Array, basis: Array, lower: Array, upper: Array, chosen: Index, 
         limit = sign * ((lower[cable] if side < m else upper[cable]) - start[cable])
         x, y = sign * basis[cable, 0], sign * basis[cable, 1]
         slack = SLACK * (load + abs(lower[cable] if side < m else upper[cable]))
-        if math.sqrt(x * x + y * y) < FIXED:
-            if limit < -slack - FIXED * _reach(points[now], count):
+        if (x * x + y * y) ** 0.5 <= TOLERANCE:
+            if limit < -slack - TOLERANCE * _reach(points[now], count):
                 return 0
             continue
         count = _cut(points[now], labels[now], count, x, y, limit, slack, side, points[1 - now], labels[1 - now])
@@ -204,15 +202,6 @@ def _reach(points: Array, count: int) -> float:
     for c in range(count):
         reach = max(reach, max(abs(points[c, 0]), abs(points[c, 1])))
     return float(reach)
-
-
-@njit(cache=True, error_model="numpy")
-def upside_down(lower: Array, upper: Array) -> bool:
-    """Whether a least tension is above its greatest: the box itself is empty, and no motion is needed to prove it."""
-    for i in range(lower.size):
-        if lower[i] > upper[i]:
-            return True
-    return False
 
 
 @njit(cache=True, error_model="numpy")

@@ -13,51 +13,40 @@ they come; `characteristic_length` is the mean distance of the attachments.
 *Certificate*: the worst facet's inward normal ``z``, with ``z . (structure @ f + w) >= gap > 0`` for every ``f`` within
 limits and the worst task wrench ``w`` (Farkas). Scaling ``z`` scales the gap; its length here is 1 in the scale above.
 
-Degeneracy. A facet counts as passed where it is by more than ``TOLERANCE`` of the sizes summed in its distance, so that
-nothing depends on units. A singular pose is never feasible, whatever the load: an arbitrarily small wrench along the
+Degeneracy. A singular pose (`degeneracy`) is never feasible, whatever the load: an arbitrarily small wrench along the
 certificate is resisted by nothing. An infinite bound is allowed; the set is then unbounded, and the margin infinite in
-wrench closure. Nothing raises for a pose: read the status.
+wrench closure. A window whose lower end is above its upper one holds nothing, and needs no proof. Where the worst facet
+is passed or missed by less than ``DOUBTFUL`` of the sizes summed in its distance, the tensions themselves are asked, by
+the rule of `tension.depth`, so that feasibility and distribution never contradict each other. Nothing raises for a
+pose: read the status.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import (
+    characteristic,
+    each_cable,
+    leading,
+    numbers,
+    spread,
+    structures_of,
+    vectors,
+)
+from steeplejack.mechanics.cable.status import FeasibilityStatus
+from steeplejack.mechanics.cable.tension.depth import verdicts_each
 from steeplejack.mechanics.cable.wrench import hyperplanes
-from steeplejack.mechanics.cable.wrench.closure import stacked
 from steeplejack.mechanics.cable.wrench.task import TaskWrenches
 
 Array = NDArray[np.float64]
 
-
-class FeasibilityStatus(IntEnum):
-    """How a feasibility question ended; `advice` says what to do."""
-
-    FEASIBLE = hyperplanes.INSIDE
-    INFEASIBLE = hyperplanes.OUTSIDE
-    SINGULAR = hyperplanes.SINGULAR
-    UNDEFINED = hyperplanes.UNDEFINED
-
-    @property
-    def advice(self) -> str:
-        """One line for a person."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    FeasibilityStatus.FEASIBLE: "tensions within their limits hold every task wrench",
-    FeasibilityStatus.INFEASIBLE: "no tensions within their limits hold the worst wrench; move the pose, or widen the "
-    "window",
-    FeasibilityStatus.SINGULAR: "the cables cannot resist the certificate's wrench at all; move off the singular pose",
-    FeasibilityStatus.UNDEFINED: "an input is not finite, a cable has no length or a window is empty; check pose, task "
-    "and bounds",
-}
+DOUBTFUL = 1e-6  # [1] share of the sizes in a facet's distance below which the tensions are asked
 
 
 @dataclass(frozen=True)
@@ -66,9 +55,11 @@ class Feasibility:
 
     Attributes:
         feasible: Whether every task wrench can be held, (...).
-        margin: Capacity margin, (...) [N]; infinite where nothing limits, -inf where singular or undefined.
+        margin: Capacity margin, a force, (...) [N]; infinite where nothing limits, -inf where singular or undefined or
+            a window is empty. (The margin of a `TensionDistribution` is another: a depth in the box of tensions [1].)
         certificate: ``z`` with ``z . (structure @ f + worst) > 0`` for every ``f`` within limits, or never negative
-            and ``z`` perpendicular to all columns where singular, (..., n); not a number where feasible or undefined.
+            and ``z`` perpendicular to all columns where singular, (..., n); not a number where feasible or undefined,
+            and where a window is empty.
         worst: The task wrench nearest its facet or farthest beyond it, (..., n); not a number where none is.
         status: `FeasibilityStatus` by number, (...).
     """
@@ -96,37 +87,48 @@ def wrench_feasible(
         Feasibility over the broadcast leading axes.
 
     Raises:
-        InputError: Shapes that do not match, or a length that is not above 0.
+        InputError: No numbers, shapes that do not match, or a length that is not above 0.
     """
-    if not 0.0 < length < math.inf:
-        raise InputError("characteristic length", f"{length} m", "a finite length above 0")
-    matrices, leading = stacked(structure)
-    _, n, m = matrices.shape
-    wanted = task if isinstance(task, TaskWrenches) else TaskWrenches.point(task)
-    low, high = (np.asarray(bound, dtype=np.float64) for bound in (lower, upper))
+    matrices, poses = structures_of(structure, 2, 6)
+    count, n, m = matrices.shape
+    wanted = task if isinstance(task, TaskWrenches) else TaskWrenches.point(vectors("task", task, n))
+    low, high = each_cable("lower", lower, m), each_cable("upper", upper, m)
+    weights = row_lengths(n, characteristic(length))
     if wanted.vertices.shape[-1] != n:
         raise InputError("task", f"wrenches of {wanted.vertices.shape[-1]} rows", f"{n}, as the structure matrix")
-    if any(bound.ndim and bound.shape[-1] not in (1, m) for bound in (low, high)):
-        raise InputError("tension bounds", f"shapes {low.shape} and {high.shape}", f"a scalar or (..., {m})")
-    shape = np.broadcast_shapes(
-        leading, low.shape[:-1], high.shape[:-1], wanted.vertices.shape[:-2], wanted.half.shape[:-1]
+    shape = leading(
+        ("structure", (*poses, n, m), 2),
+        ("lower", low.shape, 1),
+        ("upper", high.shape, 1),
+        ("task", wanted.vertices.shape, 2),
+        ("task", wanted.half.shape, 1),
     )
-    count = math.prod(shape)
-    margin, status = np.empty(count), np.empty(count, np.int64)
+    stacked = spread(matrices.reshape(*poses, n, m), shape, (n, m))
+    lowers, uppers = spread(low, shape, (m,)), spread(high, shape, (m,))
+    count = len(stacked)
+    margin, surplus, status = np.empty(count), np.empty(count), np.empty(count, np.int64)
     certificate, worst = np.empty((count, n)), np.empty((count, n))
     hyperplanes.margins_each(
-        _spread(matrices.reshape(*leading, n, m), shape, (n, m)),
+        stacked,
         math.comb(m, n - 1),
-        _spread(low, shape, (m,)),
-        _spread(high, shape, (m,)),
-        _spread(wanted.vertices, shape, wanted.vertices.shape[-2:]),
-        _spread(wanted.half, shape, (n,)),
-        row_lengths(n, length),
+        lowers,
+        uppers,
+        spread(wanted.vertices, shape, wanted.vertices.shape[-2:]),
+        spread(wanted.half, shape, (n,)),
+        weights,
         margin,
+        surplus,
         certificate,
         worst,
         status,
     )
+    close = np.flatnonzero(np.abs(surplus) < DOUBTFUL)
+    if close.size:
+        proofs = np.full((close.size, n), np.nan)
+        status[close] = verdicts_each(stacked[close], worst[close], lowers[close], uppers[close], proofs)
+        sizes = np.linalg.norm(proofs * weights, axis=-1, keepdims=True)
+        certificate[close] = proofs / sizes
+    certificate[status == FeasibilityStatus.FEASIBLE] = np.nan
     return Feasibility(
         feasible=(status == FeasibilityStatus.FEASIBLE).reshape(shape),
         margin=margin.reshape(shape),
@@ -150,9 +152,12 @@ def characteristic_length(attachments: ArrayLike) -> float:
     """Mean distance of the attachments (m, d) from the platform's reference point [m].
 
     Raises:
-        InputError: All attachments on the reference point.
+        InputError: No attachments, or all of them on the reference point.
     """
-    mean = float(np.linalg.norm(np.asarray(attachments, dtype=np.float64), axis=-1).mean())
+    given = numbers("attachments", attachments)
+    if given.ndim != 2 or given.size == 0:
+        raise InputError("attachments", f"shape {given.shape}", "(m, d) with at least one attachment")
+    mean = float(np.linalg.norm(given, axis=-1).mean())
     if not 0.0 < mean < math.inf:
         raise InputError("attachments", f"mean distance {mean} m", "attachments off the reference point")
     return mean
@@ -166,8 +171,3 @@ def row_lengths(n: int, length: float) -> Array:
     if n == 6:
         weights[:3] = length
     return weights
-
-
-def _spread(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
-    """Broadcast to ``shape + tail``, leading axes flattened to one; always a copy, so that one compilation serves."""
-    return np.array(np.broadcast_to(values, (*shape, *tail)), order="C").reshape(-1, *tail)

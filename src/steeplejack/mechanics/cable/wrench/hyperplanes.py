@@ -14,12 +14,11 @@ program:
 
 The walk goes depth first over column subsets and keeps, at each depth, an orthonormal basis of the complement of the
 columns chosen so far; one Householder reflection adds a column, and the last column leaves one direction. A column
-within ``TOLERANCE`` of the span of those chosen is passed over. No rank is assumed, and every unit vector gives a valid
-bound, so a normal that rounding has turned can cost a rounding of the answer, never more.
+within ``DEPENDENT`` of the span of those chosen is passed over. Every unit vector gives a valid bound, so a normal that
+rounding has turned can cost a rounding of the answer, never more.
 
-Rows of unlike units are first brought to one size: forces and moments are each divided by the longest force and the
-longest moment part of a column. A matrix whose columns, so scaled, all lie within ``TOLERANCE`` of one hyperplane is
-singular.
+Rows of unlike units are first brought to one size, and whether the matrix is singular is asked before anything else
+(`degeneracy`).
 """
 
 from __future__ import annotations
@@ -30,12 +29,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE, equalise, rank_of, row_scales, unresisted
+from steeplejack.mechanics.cable.status import NO, SINGULAR, UNDEFINED, YES
+
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-9
-"""Relative size below which a distance, a tension factor or a bound that is passed counts as zero [1]."""
+DEPENDENT = 1e-12
+"""Share of a column's length off the span of others below which it lies in it: rounding, with room [1]."""
 
-INSIDE, OUTSIDE, SINGULAR, UNDEFINED = range(4)
+NOISE = 1e-15
+"""Work of a column along a unit normal that rounding leaves of none, over the sum of the column's entries [1]."""
 
 
 @njit(cache=True)
@@ -46,30 +49,36 @@ def factors_each(structures: Array, room: int, factors: Array, certificates: Arr
         structures: (k, n, m).
         room: Number of subsets of ``n - 1`` of the ``m`` columns.
         factors: Written, (k,) [1].
-        certificates: Written, (k, n); not a number inside.
+        certificates: Written, of unit length, (k, n); not a number inside.
         status: Written, (k,).
     """
     n, m = structures.shape[1], structures.shape[2]
-    columns, scale, z = np.empty((m, n)), np.empty(n), np.empty(n)
+    columns, scale, z, rows = np.empty((m, n)), np.empty(n), np.empty(n), np.empty((n, m))
     basis, chosen, normals = np.empty((n, n, n)), np.empty(n, np.int64), np.empty((room, n))
+    motions, sizes, nothing = np.empty((n, n)), np.empty(n), np.zeros(n)
     for k in range(structures.shape[0]):
         factors[k], certificates[k] = 0.0, np.nan
-        largest = equalise(structures[k], columns, scale)
-        if not largest > 0.0:
+        squares = row_scales(structures[k], scale)
+        if not squares > 0.0:
             status[k] = UNDEFINED
             continue
+        if rank_of(structures[k], scale, squares, rows, motions, sizes) < n:
+            status[k] = SINGULAR
+            unresisted(scale, motions, sizes, nothing, certificates[k])
+            continue
+        equalise(structures[k], columns, scale)
         count = hyperplanes(columns, basis, chosen, normals)
-        status[k], factors[k] = factor_of(columns, largest, normals, count, z)
-        if count == 0:
-            unresisted(columns, basis, z)
-        if status[k] != INSIDE:
-            certificates[k] = z * scale
+        factors[k] = factor_of(columns, normals, count, z)
+        status[k] = YES if factors[k] > 0.0 else NO
+        if status[k] == NO:
+            z *= scale
+            certificates[k] = z / np.sqrt(np.sum(z * z))
 
 
 @njit(cache=True)
 def margins_each(
     structures: Array, room: int, lowers: Array, uppers: Array, vertices: Array, halves: Array, length: Array,
-    margins: Array, certificates: Array, worst: Array, status: NDArray[np.int64],
+    margins: Array, surplus: Array, certificates: Array, worst: Array, status: NDArray[np.int64],
 ) -> None:  # fmt: skip
     """Signed distance of the task wrenches to the surface of the available wrench set, of every pose of a batch.
 
@@ -82,65 +91,66 @@ def margins_each(
         halves: Half-widths of a box around each of them, (k, n).
         length: Weight of each row of ``z`` in its norm: 1 for forces, the characteristic length for moments, (n,).
         margins: Written, (k,) [N].
-        certificates: Written, (k, n); not a number where feasible.
+        surplus: Written, the least distance to a facet over the sizes summed in it, (k,) [1].
+        certificates: Written, (k, n); a number also where feasible: the facet that is nearest.
         worst: Written, (k, n), the task wrench nearest the surface or farthest beyond it.
-        status: Written, (k,).
+        status: Written, (k,); `YES` where no facet is passed at all.
     """
     n, m = structures.shape[1], structures.shape[2]
-    columns, scale, v, z = np.empty((m, n)), np.empty(n), np.empty(m), np.empty(n)
+    columns, scale, rows = np.empty((m, n)), np.empty(n), np.empty((n, m))
     basis, chosen, normals = np.empty((n, n, n)), np.empty(n, np.int64), np.empty((room, n))
+    motions, sizes, z = np.empty((n, n)), np.empty(n), np.empty(n)
     for k in range(structures.shape[0]):
-        margins[k], certificates[k], worst[k] = -np.inf, np.nan, np.nan
-        largest = equalise(structures[k], columns, scale)
-        if not (largest > 0.0 and _numbers(lowers[k], uppers[k], vertices[k], halves[k], length)):
-            status[k] = UNDEFINED
+        margins[k], surplus[k], certificates[k], worst[k] = -np.inf, -np.inf, np.nan, np.nan
+        squares = row_scales(structures[k], scale)
+        status[k] = _question(lowers[k], uppers[k], vertices[k], halves[k]) if squares > 0.0 else UNDEFINED
+        if status[k] == UNDEFINED:
             continue
-        count = hyperplanes(columns, basis, chosen, normals)
-        flat = count == 0
-        if flat:
-            unresisted(columns, basis, z)
-        margin, surplus = np.inf, np.inf
-        for j in range(count):
-            widest = 0.0
-            for i in range(m):
-                v[i] = 0.0
-                for r in range(n):
-                    v[i] += columns[i, r] * normals[j, r]
-                widest = max(widest, abs(v[i]))
-            if not widest > TOLERANCE * largest:
-                flat = True
-                z[:] = normals[j]
-                break
-            size = 0.0
-            for r in range(n):
-                normals[j, r] *= scale[r]
-                size += (normals[j, r] * length[r]) ** 2
-            size = math.sqrt(size)
-            for sign in (1.0, -1.0):
-                reach, least = support(v, sign, lowers[k], uppers[k])
-                if reach == np.inf:
-                    continue
-                which, power, most = _toughest(normals[j], sign, vertices[k], halves[k])
-                distance = (reach + power) / size
-                surplus = min(surplus, (reach + power) / (least + most) if least + most > 0.0 else 0.0)
-                if distance < margin:
-                    margin = distance
-                    for r in range(n):
-                        certificates[k, r] = -sign * normals[j, r]
-                        side = halves[k, r] if sign * normals[j, r] < 0.0 else -halves[k, r]
-                        worst[k, r] = vertices[k, which, r] + side
-        if flat:
-            z *= scale
+        if rank_of(structures[k], scale, squares, rows, motions, sizes) < n:
+            status[k] = SINGULAR
+            unresisted(scale, motions, sizes, vertices[k, 0], z)
             which, power, _ = _toughest(z, 1.0, vertices[k], halves[k])
             side, other, _ = _toughest(z, -1.0, vertices[k], halves[k])
-            certificates[k] = -z if -power > -other else z
-            worst[k] = vertices[k, which if -power > -other else side]
-            status[k] = SINGULAR
-            continue
-        margins[k] = margin
-        status[k] = INSIDE if surplus >= -TOLERANCE else OUTSIDE
-        if status[k] == INSIDE:
-            certificates[k] = np.nan
+            certificates[k] = -z if power < other else z
+            worst[k] = vertices[k, which if power < other else side]
+        elif status[k] == YES:
+            equalise(structures[k], columns, scale)
+            count = hyperplanes(columns, basis, chosen, normals)
+            margins[k], surplus[k] = _nearest(
+                columns, scale, normals[:count], length, lowers[k], uppers[k], vertices[k], halves[k],
+                certificates[k], worst[k],
+            )  # fmt: skip
+            status[k] = YES if surplus[k] >= 0.0 else NO
+
+
+@njit(cache=True)
+def _nearest(
+    columns: Array, scale: Array, normals: Array, length: Array, lower: Array, upper: Array, vertices: Array,
+    half: Array, certificate: Array, worst: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Least signed distance to a facet [N], and least share of the sizes summed in one; the normals are overwritten."""
+    m, n = columns.shape
+    v = np.empty(m)
+    margin, surplus = np.inf, np.inf
+    for j in range(normals.shape[0]):
+        _work(columns, normals[j], v)
+        size = 0.0
+        for r in range(n):
+            normals[j, r] *= scale[r]
+            size += (normals[j, r] * length[r]) ** 2
+        size = math.sqrt(size)
+        for sign in (1.0, -1.0):
+            reach, least = support(v, sign, lower, upper)
+            if reach == np.inf:
+                continue
+            which, power, most = _toughest(normals[j], sign, vertices, half)
+            surplus = min(surplus, (reach + power) / (least + most) if least + most > 0.0 else 0.0)
+            if (reach + power) / size < margin:
+                margin = (reach + power) / size
+                for r in range(n):
+                    certificate[r] = -sign * normals[j, r] / size
+                    worst[r] = vertices[which, r] + (half[r] if sign * normals[j, r] < 0.0 else -half[r])
+    return margin, surplus
 
 
 @njit(cache=True)
@@ -156,69 +166,38 @@ def facets(structure: Array, room: int, lower: Array, upper: Array, normals: Arr
         reaches: Written, (2 room,); infinite along an unbounded direction.
 
     Returns:
-        How many were written; -1 where the set is flat, -2 where it is undefined.
+        How many were written; -1 where the pose is singular, -2 where it is undefined.
     """
     n, m = structure.shape
-    columns, scale, v = np.empty((m, n)), np.empty(n), np.empty(m)
+    columns, scale, v, rows = np.empty((m, n)), np.empty(n), np.empty(m), np.empty((n, m))
     basis, chosen, found = np.empty((n, n, n)), np.empty(n, np.int64), np.empty((room, n))
-    largest = equalise(structure, columns, scale)
-    if not largest > 0.0:
+    squares = row_scales(structure, scale)
+    if not squares > 0.0:
         return -2
+    if rank_of(structure, scale, squares, rows, np.empty((n, n)), np.empty(n)) < n:
+        return -1
+    equalise(structure, columns, scale)
     count = hyperplanes(columns, basis, chosen, found)
     for j in range(count):
-        widest = 0.0
-        for i in range(m):
-            v[i] = 0.0
-            for r in range(n):
-                v[i] += columns[i, r] * found[j, r]
-            widest = max(widest, abs(v[i]))
-        if not widest > TOLERANCE * largest:
-            return -1
+        _work(columns, found[j], v)
         for side in range(2):
             sign = 1.0 - 2.0 * side
             reaches[2 * j + side] = support(v, sign, lower, upper)[0]
             for r in range(n):
                 normals[2 * j + side, r] = sign * found[j, r] * scale[r]
-    return 2 * count if count > 0 else -1
+    return 2 * count
 
 
 @njit(cache=True)
-def equalise(structure: Array, columns: Array, scale: Array) -> float:
-    """Write the columns (m, n) with forces and moments brought to one size, and the factor of each row (n,).
-
-    Returns:
-        Length of the longest scaled column; -1 where an entry is not finite or a column is zero.
-    """
-    n, m = structure.shape
-    first = n // 2 if n == 6 else (n - 1 if n == 3 else n)
-    for r in range(n):
-        for i in range(m):
-            if not math.isfinite(structure[r, i]):
-                return -1.0
-    for begin, end in ((0, first), (first, n)):
-        # Entries are first divided by the largest, so that no square overflows or vanishes.
-        largest, longest = 0.0, 0.0
-        for r in range(begin, end):
-            for i in range(m):
-                largest = max(largest, abs(structure[r, i]))
-        if largest > 0.0:
-            for i in range(m):
-                square = 0.0
-                for r in range(begin, end):
-                    square += (structure[r, i] / largest) ** 2
-                longest = max(longest, square)
-        for r in range(begin, end):
-            scale[r] = 1.0 / (largest * math.sqrt(longest)) if largest > 0.0 else 1.0
-    longest = 0.0
+def _work(columns: Array, z: Array, v: Array) -> None:
+    """Write the work of every column along a unit normal, (m,); near a singular pose it is little, and noise is not."""
+    m, n = columns.shape
     for i in range(m):
-        square = 0.0
+        total, size = 0.0, 0.0
         for r in range(n):
-            columns[i, r] = structure[r, i] * scale[r]
-            square += columns[i, r] ** 2
-        if square == 0.0:
-            return -1.0
-        longest = max(longest, square)
-    return math.sqrt(longest)
+            total += columns[i, r] * z[r]
+            size += abs(columns[i, r])
+        v[i] = total if abs(total) > NOISE * size else 0.0
 
 
 @njit(cache=True)
@@ -252,7 +231,7 @@ def hyperplanes(columns: Array, basis: Array, chosen: NDArray[np.int64], normals
                 c1 += basis[depth, 1, r] * columns[j, r]
                 square += columns[j, r] * columns[j, r]
             size = math.sqrt(c0 * c0 + c1 * c1)
-            if size > TOLERANCE * math.sqrt(square):
+            if size > DEPENDENT * math.sqrt(square):
                 c0, c1 = c0 / size, c1 / size
                 for r in range(n):
                     normals[count, r] = c0 * basis[depth, 1, r] - c1 * basis[depth, 0, r]
@@ -267,35 +246,23 @@ def hyperplanes(columns: Array, basis: Array, chosen: NDArray[np.int64], normals
 
 
 @njit(cache=True)
-def unresisted(columns: Array, basis: Array, z: Array) -> None:
-    """Write a unit vector perpendicular to all columns of a matrix of rank below ``n - 1``."""
-    m, n = columns.shape
-    basis[0] = 0.0
-    for r in range(n):
-        basis[0, r, r] = 1.0
-    depth = 0
-    for j in range(m):
-        if depth < n - 1 and _narrow(columns[j], basis[depth], basis[depth + 1], n - depth):
-            depth += 1
-    z[:] = basis[depth, 0]
-
-
-@njit(cache=True)
 def support(v: Array, sign: float, lower: Array, upper: Array) -> tuple[float, float]:
     """Reach ``max sign v . f`` over the tension box, and the sum of the sizes of its terms.
 
-    A component below ``TOLERANCE`` times the largest does not reach for an infinite bound.
+    Parts that reach for infinite bounds but are together at most ``TOLERANCE`` of the others are zeros with rounding:
+    the rule that makes a tension factor 0, so that "in wrench closure" and "no facet" are the same.
     """
-    reach, size, widest = 0.0, 0.0, 0.0
-    for i in range(v.size):
-        widest = max(widest, abs(v[i]))
+    reach, size, endless, rest = 0.0, 0.0, 0.0, 0.0
     for i in range(v.size):
         bound = upper[i] if sign * v[i] > 0.0 else lower[i]
-        if not math.isinf(bound):
+        if math.isinf(bound):
+            endless += abs(v[i])
+        else:
             reach += sign * v[i] * bound
             size += abs(v[i] * bound)
-        elif abs(v[i]) > TOLERANCE * widest:
-            return np.inf, np.inf
+            rest += abs(v[i])
+    if endless > TOLERANCE * rest:
+        return np.inf, np.inf
     return reach, size
 
 
@@ -315,7 +282,7 @@ def _narrow(column: Array, wide: Array, narrow: Array, size: int) -> bool:
         square += c * c
     for r in range(n):
         length += column[r] * column[r]
-    if not square > TOLERANCE * TOLERANCE * length:
+    if not square > DEPENDENT * DEPENDENT * length:
         return False
     size_c = math.sqrt(square)
     c0 = narrow[0, 0]
@@ -335,30 +302,28 @@ def _narrow(column: Array, wide: Array, narrow: Array, size: int) -> bool:
 
 
 @njit(cache=True)
-def factor_of(columns: Array, largest: float, normals: Array, count: int, z: Array) -> tuple[int, float]:
-    """Status and tension factor; ``z`` gets the normal that decides, turned so that the columns lie on its side."""
+def factor_of(columns: Array, normals: Array, count: int, z: Array) -> float:
+    """Tension factor; ``z`` gets the normal that decides, turned so that the columns lie on its side."""
     m, n = columns.shape
     factor = np.inf
     for j in range(count):
-        plus, minus, widest = 0.0, 0.0, 0.0
+        plus, minus = 0.0, 0.0
         for i in range(m):
-            v = 0.0
+            v, size = 0.0, 0.0
             for r in range(n):
                 v += columns[i, r] * normals[j, r]
-            plus += max(v, 0.0)
-            minus -= min(v, 0.0)
-            widest = max(widest, abs(v))
-        if not widest > TOLERANCE * largest:
-            z[:] = normals[j]
-            return SINGULAR, 0.0
+                size += abs(columns[i, r])
+            if abs(v) > NOISE * size:
+                plus += max(v, 0.0)
+                minus -= min(v, 0.0)
+        if not max(plus, minus) > 0.0:
+            continue
         ratio = min(plus, minus) / max(plus, minus)
         if ratio < factor:
             factor = ratio
             for r in range(n):
                 z[r] = normals[j, r] if plus >= minus else -normals[j, r]
-    if count == 0:
-        return SINGULAR, 0.0
-    return (INSIDE, factor) if factor > TOLERANCE else (OUTSIDE, 0.0)
+    return factor if TOLERANCE < factor < np.inf else 0.0
 
 
 @njit(cache=True)
@@ -376,15 +341,20 @@ def _toughest(z: Array, sign: float, vertices: Array, half: Array) -> tuple[int,
 
 
 @njit(cache=True)
-def _numbers(lower: Array, upper: Array, vertices: Array, half: Array, length: Array) -> bool:
-    """Whether task and lengths are finite and bounds are numbers in order, none infinite on the wrong side."""
-    for i in range(lower.size):
-        if not (lower[i] <= upper[i] and lower[i] < np.inf and upper[i] > -np.inf):
-            return False
+def _question(lower: Array, upper: Array, vertices: Array, half: Array) -> int:
+    """`YES` where there is something to decide, `NO` where a window is empty, `UNDEFINED` where an input is no number.
+
+    An infinite bound is one where it leaves its side open.
+    """
     for r in range(half.size):
-        if not (math.isfinite(half[r]) and math.isfinite(length[r])):
-            return False
+        if not (math.isfinite(half[r]) and half[r] >= 0.0):
+            return UNDEFINED
         for p in range(vertices.shape[0]):
             if not math.isfinite(vertices[p, r]):
-                return False
-    return True
+                return UNDEFINED
+    empty = False
+    for i in range(lower.size):
+        if not (lower[i] < np.inf and upper[i] > -np.inf):
+            return UNDEFINED
+        empty = empty or lower[i] > upper[i]
+    return NO if empty else YES

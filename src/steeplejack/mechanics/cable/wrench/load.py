@@ -9,6 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
+
 Array = NDArray[np.float64]
 
 
@@ -22,10 +25,17 @@ def gravity_wrench(mass: ArrayLike, gravity: ArrayLike, arm: ArrayLike) -> Array
 
     Returns:
         (fx, fy, mz), (..., 3), or (moment; force), (..., 6) [N, N m].
+
+    Raises:
+        InputError: No numbers, neither two nor three axes, or shapes that do not match.
     """
-    force = np.asarray(mass, dtype=np.float64)[..., None] * np.asarray(gravity, dtype=np.float64)
-    lever = np.asarray(arm, dtype=np.float64)
-    force, lever = np.broadcast_arrays(force, lever)
+    fall, heavy = vectors("gravity", gravity, "axes"), numbers("mass", mass)
+    axes = fall.shape[-1]
+    if axes not in (2, 3):
+        raise InputError("gravity", f"shape {fall.shape}", "(..., 2) or (..., 3)")
+    lever = vectors("arm", arm, axes)
+    leading(("mass", heavy.shape, 0), ("gravity", fall.shape, 1), ("arm", lever.shape, 1))
+    force, lever = np.broadcast_arrays(heavy[..., None] * fall, lever)
     if force.shape[-1] == 2:
         return _planar(force, lever, np.zeros(force.shape[:-1]))
     return np.concatenate((np.cross(lever, force), force), axis=-1)
@@ -54,13 +64,26 @@ def inertial_wrench(
 
     Returns:
         (moment; force), (..., 6) [N m, N].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    turn, omega, rate = (np.asarray(v, dtype=np.float64) for v in (rotation, angular_velocity, acceleration))
+    heavy, tensor, middle = numbers("mass", mass), vectors("inertia", inertia, 3, 3), vectors("centre", centre, 3)
+    turn, omega = vectors("rotation", rotation, 3, 3), vectors("angular velocity", angular_velocity, 3)
+    rate = vectors("acceleration", acceleration, 6)
+    leading(
+        ("mass", heavy.shape, 0),
+        ("inertia", tensor.shape, 2),
+        ("centre", middle.shape, 1),
+        ("rotation", turn.shape, 2),
+        ("angular velocity", omega.shape, 1),
+        ("acceleration", rate.shape, 1),
+    )
     alpha, linear = rate[..., :3], rate[..., 3:]
-    arm = np.einsum("...ij,...j->...i", turn, np.asarray(centre, dtype=np.float64))
-    turned = turn @ np.asarray(inertia, dtype=np.float64) @ np.swapaxes(turn, -1, -2)
+    arm = np.einsum("...ij,...j->...i", turn, middle)
+    turned = turn @ tensor @ np.swapaxes(turn, -1, -2)
     of_centre = linear + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
-    force = -np.asarray(mass, dtype=np.float64)[..., None] * of_centre
+    force = -heavy[..., None] * of_centre
     spin = np.einsum("...ij,...j->...i", turned, omega)
     moment = -np.einsum("...ij,...j->...i", turned, alpha) - np.cross(omega, spin) + np.cross(arm, force)
     return np.concatenate(np.broadcast_arrays(moment, force), axis=-1)
@@ -81,15 +104,27 @@ def planar_inertial_wrench(
 
     Returns:
         (fx, fy, mz), (..., 3) [N, N, N m].
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    local, motion = np.asarray(centre, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
-    angle, speed = np.asarray(phi, dtype=np.float64)[..., None], np.asarray(rate, dtype=np.float64)[..., None]
+    heavy, round_centre = numbers("mass", mass), numbers("inertia", inertia)
+    local, motion = vectors("centre", centre, 2), vectors("acceleration", acceleration, 3)
+    angle, speed = numbers("phi", phi)[..., None], numbers("rate", rate)[..., None]
+    leading(
+        ("mass", heavy.shape, 0),
+        ("inertia", round_centre.shape, 0),
+        ("centre", local.shape, 1),
+        ("phi", angle.shape, 1),
+        ("rate", speed.shape, 1),
+        ("acceleration", motion.shape, 1),
+    )
     cos, sin, x, y = np.cos(angle), np.sin(angle), local[..., :1], local[..., 1:]
     arm = np.concatenate((cos * x - sin * y, sin * x + cos * y), axis=-1)
     alpha = motion[..., 2:]
     of_centre = motion[..., :2] + alpha * np.stack((-arm[..., 1], arm[..., 0]), axis=-1) - speed**2 * arm
-    force = -np.asarray(mass, dtype=np.float64)[..., None] * of_centre
-    return _planar(force, arm, -np.asarray(inertia, dtype=np.float64) * alpha[..., 0])
+    force = -heavy[..., None] * of_centre
+    return _planar(force, arm, -round_centre * alpha[..., 0])
 
 
 def _planar(force: Array, arm: Array, couple: Array) -> Array:

@@ -11,7 +11,7 @@ the rows of the identity.
   (`hyperplanes` says why).
 
 Whatever is too close to call here (a pivot below ``PIVOT``, a factor below ``NARROW``) and any other number of cables
-is left to the walk over all hyperplanes, which needs no elimination.
+is left to the walk over all hyperplanes, which needs no elimination; whether a pose is singular, to `degeneracy`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.wrench.hyperplanes import INSIDE, equalise, factor_of, hyperplanes
+from steeplejack.mechanics.cable.degeneracy import decide, equalise, row_scales, surely_regular
+from steeplejack.mechanics.cable.wrench.hyperplanes import factor_of, hyperplanes
 
 Array = NDArray[np.float64]
 
@@ -43,34 +44,42 @@ def structure_factors(structures: Array, room: int, factors: Array) -> None:
     basis, chosen, normals, z = np.empty((n, n, n)), np.empty(n, np.int64), np.empty((room, n)), np.empty(n)
     for k in range(structures.shape[0]):
         factors[k] = 0.0
-        largest = equalise(structures[k], columns, scale)
-        if not largest > 0.0:
+        squares = row_scales(structures[k], scale)
+        if not squares > 0.0 or m <= n:
             continue
         factor = -1.0
-        if n < m <= n + 2:
+        if m <= n + 2:
             for r in range(n):
                 for i in range(m):
-                    work[r, i] = columns[i, r]
-            if _reduce(work):
+                    work[r, i] = structures[k, r, i] * scale[r]
+            if surely_regular(_reduce(work), squares, n):
                 factor = _one_too_many(work) if m == n + 1 else _two_too_many(work, rows)
         if factor < 0.0:
-            count = hyperplanes(columns, basis, chosen, normals)
-            status, factor = factor_of(columns, largest, normals, count, z)
-            factor = factor if status == INSIDE else 0.0
+            factor = 0.0
+            if decide(structures[k], scale, work, basis[0], z) == n:
+                equalise(structures[k], columns, scale)
+                count = hyperplanes(columns, basis, chosen, normals)
+                factor = factor_of(columns, normals, count, z)
         factors[k] = factor
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
-def _reduce(work: Array) -> bool:
-    """Gauss-Jordan on the largest entry of each row in turn, columns exchanged; False where a pivot is too small."""
+def _reduce(work: Array) -> float:
+    """Gauss-Jordan on the largest entry of each row in turn, columns exchanged.
+
+    Returns:
+        Size of the pivots' product; 0 where one is too small to go on.
+    """
     n, m = work.shape
+    volume = 1.0
     for q in range(n):
         best, most = q, abs(work[q, q])
         for c in range(q + 1, m):
             if abs(work[q, c]) > most:
                 best, most = c, abs(work[q, c])
         if not most > PIVOT:
-            return False
+            return 0.0
+        volume *= most
         if best != q:
             for r in range(n):
                 work[r, q], work[r, best] = work[r, best], work[r, q]
@@ -82,7 +91,7 @@ def _reduce(work: Array) -> bool:
                 times = work[r, q]
                 for c in range(q + 1, m):
                     work[r, c] -= times * work[q, c]
-    return True
+    return volume
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import leading, vectors
 
 Array = NDArray[np.float64]
 
@@ -28,8 +29,12 @@ class TaskWrenches:
 
     @classmethod
     def point(cls, wrench: ArrayLike) -> TaskWrenches:
-        """One wrench, (..., n)."""
-        load = np.asarray(wrench, dtype=np.float64)
+        """One wrench, (..., n).
+
+        Raises:
+            InputError: No vector of numbers.
+        """
+        load = vectors("task wrench", wrench, "n")
         return cls(load[..., None, :], np.zeros_like(load))
 
     @classmethod
@@ -37,9 +42,11 @@ class TaskWrenches:
         """All wrenches with ``low <= w <= high``, (..., n) each.
 
         Raises:
-            InputError: A lower end above its upper one.
+            InputError: No vectors of numbers of one size, or a lower end above its upper one.
         """
-        least, most = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+        least = vectors("task box, low", low, "n")
+        most = vectors("task box, high", high, least.shape[-1])
+        leading(("task box, low", least.shape, 1), ("task box, high", most.shape, 1))
         if np.any(least > most):
             raise InputError("task box", "a lower end is above its upper one", "low <= high for every row")
         middle = 0.5 * (least + most)
@@ -52,11 +59,15 @@ class TaskWrenches:
         Raises:
             InputError: No vertex.
         """
-        corners = np.asarray(vertices, dtype=np.float64)
-        if corners.ndim < 2 or corners.shape[-2] == 0:
-            raise InputError("task polytope", f"shape {corners.shape}", "(..., p, n) with at least one vertex")
+        corners = vectors("task polytope", vertices, "p", "n")
         return cls(corners, np.zeros_like(corners[..., 0, :]))
 
     def shifted(self, wrench: ArrayLike) -> TaskWrenches:
-        """The same wrenches on top of another, (..., n): gravity, or the inertia of a motion."""
-        return TaskWrenches(self.vertices + np.asarray(wrench, dtype=np.float64)[..., None, :], self.half)
+        """The same wrenches on top of another, (..., n): gravity, or the inertia of a motion.
+
+        Raises:
+            InputError: Another number of rows, or leading axes that do not fit.
+        """
+        by = vectors("wrench", wrench, self.vertices.shape[-1])
+        leading(("task", self.vertices.shape, 2), ("wrench", by.shape, 1))
+        return TaskWrenches(self.vertices + by[..., None, :], self.half)

@@ -4,47 +4,28 @@
 facet's normal is perpendicular to ``n - 1`` columns, and all of them are found by going through those subsets
 (hyperplane shifting: Bouchard, Gosselin, Moore, J. Mechanisms Robotics 2(1), 2010; Gouttefarde, Krut, ARK 2010).
 
-The set of a singular pose is flat: it has no facets in the sense used here, and its status says so.
+The set of a singular pose (`degeneracy`) is flat, and that of an empty window has no points: they have no facets in the
+sense used here, and the status says so.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import characteristic, each_cable, structures_of
+from steeplejack.mechanics.cable.status import WrenchSetStatus
 from steeplejack.mechanics.cable.wrench import hyperplanes
-from steeplejack.mechanics.cable.wrench.closure import stacked
 from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
 
 Array = NDArray[np.float64]
 
 SAME_FACET = 1e-9
 """Difference of unit normals below which two facets are one [1]."""
-
-
-class WrenchSetStatus(IntEnum):
-    """What an available wrench set is like; `advice` says what to do."""
-
-    SOLID = 0
-    FLAT = 1
-    UNDEFINED = 2
-
-    @property
-    def advice(self) -> str:
-        """One line for a person."""
-        return _ADVICE[self]
-
-
-_ADVICE = {
-    WrenchSetStatus.SOLID: "the set has an inside; its facets bound it",
-    WrenchSetStatus.FLAT: "the pose is singular, so the set has no inside; move off it",
-    WrenchSetStatus.UNDEFINED: "an entry is not finite or a cable has no length; check pose, anchors and bounds",
-}
 
 
 @dataclass(frozen=True)
@@ -75,27 +56,41 @@ def available_wrench_set(structure: ArrayLike, lower: ArrayLike, upper: ArrayLik
         Facets, each once.
 
     Raises:
-        InputError: More than one pose, bounds out of order, or a length that is not above 0.
+        InputError: No numbers, more than one pose, shapes that do not match, or a length that is not above 0.
     """
-    matrices, leading = stacked(structure)
+    matrices, leading = structures_of(structure, 2, 6)
     if leading:
         raise InputError("structure", f"leading axes {leading}", "one pose, (n, m)")
-    if not 0.0 < length < math.inf:
-        raise InputError("characteristic length", f"{length} m", "a finite length above 0")
     _, n, m = matrices.shape
-    low, high = (np.array(np.broadcast_to(np.asarray(b, dtype=np.float64), (m,))) for b in (lower, upper))
-    if not np.all((low <= high) & (low < np.inf) & (high > -np.inf)):
-        raise InputError("tension bounds", "a lower bound is not below its upper one", "lower <= upper, both numbers")
+    weights = row_lengths(n, characteristic(length))
+    low, high = _bounds("lower", lower, m), _bounds("upper", upper, m)
     room = math.comb(m, n - 1)
     normals, reaches = np.empty((2 * room, n)), np.empty(2 * room)
     count = hyperplanes.facets(matrices[0], room, low, high, normals, reaches)
-    if count < 0:
-        status = WrenchSetStatus.FLAT if count == -1 else WrenchSetStatus.UNDEFINED
+    status = _status(count, low, high)
+    if status != WrenchSetStatus.SOLID:
         return WrenchSet(np.empty((0, n)), np.empty(0), status)
-    size = np.linalg.norm(normals[:count] * row_lengths(n, length), axis=-1)
+    size = np.linalg.norm(normals[:count] * weights, axis=-1)
     unit, reach = normals[:count] / size[:, None], reaches[:count] / size
-    kept = _distinct(unit * row_lengths(n, length)) & np.isfinite(reach)
+    kept = _distinct(unit * weights) & np.isfinite(reach)
     return WrenchSet(unit[kept], reach[kept], WrenchSetStatus.SOLID)
+
+
+def _bounds(where: str, values: ArrayLike, m: int) -> Array:
+    """Bounds of every cable, (m,)."""
+    given = each_cable(where, values, m)
+    if given.ndim > 1:
+        raise InputError(where, f"shape {given.shape}", f"a scalar or ({m},)")
+    return np.array(np.broadcast_to(given, (m,)))
+
+
+def _status(count: int, lower: Array, upper: Array) -> WrenchSetStatus:
+    """What a set is like, by what `hyperplanes.facets` returned and its bounds."""
+    if count == -2 or not np.all((lower < np.inf) & (upper > -np.inf)):
+        return WrenchSetStatus.UNDEFINED
+    if count == -1:
+        return WrenchSetStatus.SINGULAR
+    return WrenchSetStatus.EMPTY if np.any(lower > upper) else WrenchSetStatus.SOLID
 
 
 def _distinct(normals: Array) -> NDArray[np.bool_]:

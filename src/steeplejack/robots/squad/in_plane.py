@@ -10,6 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.measure.quality import evenness
+
 Array = NDArray[np.float64]
 
 
@@ -36,11 +38,11 @@ def plane_matrix(u: Array, rotation: Array, attachments: Array) -> tuple[Array, 
 
 @njit(cache=True)
 def dexterity(matrix: Array) -> float:
-    """Least over largest singular value [1] of a (4, 3) from :func:`plane_matrix`; rounding decides below 1e-7."""
-    gram = np.zeros((3, 3))
+    """Least over largest singular value [1] of a (4, 3) from :func:`plane_matrix`; not a number where an entry is."""
+    if not np.isfinite(matrix.sum()):
+        return np.nan
+    rows = np.empty((3, 4))
     for i in range(4):
-        for j in range(3):
-            for k in range(3):
-                gram[j, k] += matrix[i, j] * matrix[i, k]
-    values = np.linalg.eigvalsh(gram)
-    return float(np.sqrt(max(values[0], 0.0) / values[2])) if values[2] > 0.0 else 0.0
+        for k in range(3):
+            rows[k, i] = matrix[i, k]
+    return evenness(rows, np.ones(3))

@@ -65,7 +65,7 @@ def main() -> None:
         draw(axes, cable)
     figure.supxlabel("x [m]", fontsize=9)
     figure.supylabel("y [m]", fontsize=9)
-    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_suffix(".svg")
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "lost_cable.svg"
     figure.savefig(target, metadata={"Date": None} if target.suffix == ".svg" else None, dpi=110)
 
 

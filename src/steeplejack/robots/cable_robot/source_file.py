@@ -1,0 +1,45 @@
+"""The bytes of a robot file: from a regular file of a sane size, or one clear line about why not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from steeplejack.errors import InputError
+
+MOST_BYTES = 1 << 20
+"""A robot of a thousand cables takes a tenth of it; parsers take seconds for twenty times as much."""
+
+MOST_QUOTED = 120  # characters of a file that a message repeats
+
+
+def read_source(path: str | Path, valid: str) -> bytes:
+    """Read a robot file, without a byte order mark.
+
+    Args:
+        path: Of the file.
+        valid: What would be valid, for the message.
+
+    Raises:
+        InputError: Not a path, no such file, not a regular file, or too large.
+    """
+    where = shortened(str(path))
+    try:
+        file = Path(path)
+        if file.exists() and not file.is_file():
+            raise InputError(where, "not a file", valid)
+        with file.open("rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(where, error.strerror or "cannot be read", valid) from None
+    except (TypeError, ValueError) as error:  # no path at all, or one with a NUL in it
+        raise InputError(repr(where), shortened(str(error)), valid) from None
+    if len(content) > MOST_BYTES:
+        raise InputError(where, f"more than {MOST_BYTES} bytes", valid)
+    return content.removeprefix(b"\xef\xbb\xbf")
+
+
+def shortened(text: str) -> str:
+    """Text on one line, its middle left out where it is long: what a message may repeat of a file."""
+    line = " ".join(text.split())
+    half = MOST_QUOTED // 2
+    return line if len(line) <= MOST_QUOTED else f"{line[:half]} ... {line[-half:]}"

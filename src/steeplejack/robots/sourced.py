@@ -1,0 +1,71 @@
+"""A machine as data: a TOML file decoded once into frozen structs, SI, every value with its source.
+
+Each table of the file carries a second table ``source`` with the same keys. A value without a source, an unknown key or
+a window upside down is refused with the path of the field.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import msgspec
+
+from steeplejack.errors import InputError
+
+Machine = TypeVar("Machine", bound=msgspec.Struct)
+
+Vector = tuple[float, float, float]
+Window = tuple[float, float]
+Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+NonNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+
+
+class Sourced(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A table of values, each with its source or the word "estimate"."""
+
+    source: dict[str, str]
+
+    def __post_init__(self) -> None:
+        """Refuse a value without a source and a window upside down."""
+        names = {field for field in self.__struct_fields__ if field != "source"}
+        for name in sorted(names ^ set(self.source)):
+            raise ValueError(f"`{name}` needs both a value and an entry under `source`")
+        for name in sorted(names):
+            value = getattr(self, name)
+            if isinstance(value, tuple) and len(value) == 2 and not value[0] < value[1]:  # pyright: ignore
+                raise ValueError(f"`{name}` = {list(value)} is upside down")  # pyright: ignore[reportUnknownArgumentType]
+
+
+def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Machine]) -> Machine:
+    """Read a machine from its built-in name or a TOML file.
+
+    Args:
+        robot: The built-in name or the path of a TOML file of the same form.
+        built_in: That name; the file beside the machine's code is called the same, with underscores.
+        package: Where that file lies.
+        kind: What to decode it as.
+
+    Returns:
+        The machine, frozen, SI.
+
+    Raises:
+        InputError: No such robot or file, or a field that cannot be used; the message names it.
+    """
+    file = built_in.replace("-", "_") + ".toml"
+    if str(robot) == built_in:
+        text = files(package).joinpath(file).read_bytes()
+    else:
+        try:
+            text = Path(robot).read_bytes()
+        except OSError as error:
+            raise InputError(
+                str(robot), error.strerror or "cannot be read", f"a TOML robot file or {built_in}"
+            ) from None
+    try:
+        return msgspec.toml.decode(text, type=kind)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise InputError(
+            str(robot), str(error).replace("\n", " "), f"see the built-in {file} for every field"
+        ) from None
