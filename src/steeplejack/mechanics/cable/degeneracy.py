@@ -78,7 +78,7 @@ def is_singular(structure: ArrayLike) -> NDArray[np.bool_]:
     return rank(structure) < np.shape(structure)[-2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def first_kind(n: int) -> int:
     """How many of n rows come before those of the other kind: forces before a moment, moments before forces; or all."""
     if n == 3:
@@ -86,7 +86,7 @@ def first_kind(n: int) -> int:
     return 3 if n == 6 else n
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def row_scales(structure: Array, scale: Array) -> float:
     """Write the factor of each row (n,) that brings forces and moments to one size; a kind that is all zeros gets 1.
 
@@ -121,7 +121,7 @@ def row_scales(structure: Array, scale: Array) -> float:
     return squares
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def equalise(structure: Array, columns: Array, scale: Array) -> float:
     """Write the columns (m, n) with forces and moments brought to one size, and the factor of each row (n,).
 
@@ -141,7 +141,7 @@ def equalise(structure: Array, columns: Array, scale: Array) -> float:
     return math.sqrt(longest)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def surely_regular(volume: float, squares: float, n: int) -> bool:
     """Whether a matrix of n rows cannot be singular, from a lower bound of the product of its singular values.
 
@@ -159,7 +159,7 @@ def surely_regular(volume: float, squares: float, n: int) -> bool:
     return bound > TOLERANCE * TOLERANCE * squares
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rank_of(structure: Array, scale: Array, squares: float, rows: Array, motions: Array, sizes: Array) -> int:
     """Rank of one matrix: by elimination where that is sure, else by `decide`, with the same arguments.
 
@@ -175,7 +175,7 @@ def rank_of(structure: Array, scale: Array, squares: float, rows: Array, motions
     return decide(structure, scale, rows, motions, sizes)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _volume(rows: Array) -> float:
     """Size of the determinant of n columns, each the largest left in its row (Gauss); the rows are overwritten."""
     n, m = rows.shape
@@ -200,7 +200,7 @@ def _volume(rows: Array) -> float:
     return volume
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def decide(structure: Array, scale: Array, rows: Array, motions: Array, sizes: Array) -> int:
     """Rank of one matrix by its singular values: the last word where `surely_regular` has none.
 
@@ -233,7 +233,7 @@ def decide(structure: Array, scale: Array, rows: Array, motions: Array, sizes: A
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def unresisted(scale: Array, motions: Array, sizes: Array, wrench: Array, z: Array) -> None:
     """Write a unit motion of a singular pose that no cable resists, ``structure^T z = 0``, from what `decide` left.
 
@@ -274,7 +274,7 @@ def unresisted(scale: Array, motions: Array, sizes: Array, wrench: Array, z: Arr
         z[r] /= most * math.sqrt(size)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sweep(rows: Array, motions: Array) -> bool:
     """Turn every two rows perpendicular to each other (Hestenes 1958); whether any had to be turned."""
     turned = False
@@ -293,7 +293,7 @@ def _sweep(rows: Array, motions: Array) -> bool:
     return turned
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _turn(rows: Array, p: int, q: int, cosine: float, sine: float) -> None:
     """Turn two rows into each other."""
     for i in range(rows.shape[1]):
@@ -301,7 +301,7 @@ def _turn(rows: Array, p: int, q: int, cosine: float, sine: float) -> None:
         rows[p, i], rows[q, i] = cosine * a - sine * b, sine * a + cosine * b
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _dot(rows: Array, p: int, q: int) -> float:
     """Product of two rows."""
     total = 0.0
@@ -310,7 +310,7 @@ def _dot(rows: Array, p: int, q: int) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _rank_each(structures: Array, ranks: NDArray[np.int64]) -> None:
     """Rank of every matrix of a batch, -1 where undefined."""
     n, m = structures.shape[1], structures.shape[2]
