@@ -25,6 +25,11 @@ bench: $(VENV)/ready-dev
 	$(BIN)/python benchmarks/distribution.py
 	$(BIN)/python benchmarks/forward.py
 	$(BIN)/python benchmarks/certified.py
+	$(BIN)/python benchmarks/anchors.py
+	$(BIN)/python benchmarks/climber_design.py
+	$(BIN)/python benchmarks/scaling.py
+	$(BIN)/python benchmarks/peers.py
+	$(BIN)/python benchmarks/climber.py
 
 docs: $(VENV)/ready-dev
 	$(BIN)/mkdocs build --strict

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = ("wrench-closure.md", "workspaces.md", "cable-robots.md", "anchors-along-a-path.md")
+PAGES = ("wrench-closure.md", "workspaces.md", "cable-robots.md", "anchors-along-a-path.md", "mobility.md")
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -91,6 +91,19 @@ def test_a_path_nobody_holds_names_the_limit(steeplejack, folder):
 
 
 @pytest.mark.parametrize(
+    ("tensions", "limit"),
+    [(("200", "210"), "least tension of 200 N"), (("1", "20"), "largest tension of 20 N")],
+)
+def test_a_load_nobody_holds_names_the_limit(steeplejack, folder, tensions, limit):
+    (folder / "path.csv").write_text("x_m,y_m,phi_deg\n-0.1,0.45,50\n")
+    question = ["anchors", "table-iii", "--path", "path.csv", "--move", "1,2,3,4", "--window-m", "0.02"]
+    outcome = steeplejack(*question, "--mass-kg", "8", "--tension-n", *tensions, "--travel-price", "1", "--json")
+    assert outcome.code == 3
+    assert limit in outcome.answer["binding"]
+    assert outcome.answer["fixed_mean_tension_factor"] == 0.0
+
+
+@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["--path", "eq28", "--move", "1,5", "--window-m", "0.05"], "--move: 1,5"),

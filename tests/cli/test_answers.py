@@ -163,7 +163,7 @@ def test_grip_of_the_paper(steeplejack: Run) -> None:
 
 def test_lists_name_their_sources(steeplejack: Run) -> None:
     robots = steeplejack("robots", "--json").answer["robots"]
-    assert [robot["name"] for robot in robots] == ["ccrobot-s"]
+    assert [robot["name"] for robot in robots] == ["ccrobot-s", "pipe-climber"]
     sites = steeplejack("worksites", "--json").answer["worksites"]
     names = ["table-iii", "ecs620-like", "russky-like", "sutong-like", "stonecutters-like", "emerson-like"]
     assert [site["name"] for site in sites] == names
@@ -191,6 +191,8 @@ def test_commands_are_those_of_the_contract() -> None:
         "pose",
         "tensions",
         "lost-cable",
+        "anchors",
+        "grasp",
         "grip",
         "report",
         "robots",

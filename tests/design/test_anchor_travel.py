@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from steeplejack.design.anchors import Duty, Reconfiguration, anchor_path, anchors_along, eq28, trade_off
+from steeplejack.design.anchors import (
+    Duty,
+    Reconfiguration,
+    anchor_path,
+    anchors_along,
+    eq28,
+    optimal_anchors,
+    trade_off,
+)
 from steeplejack.design.anchors.drives import drive_orders, driven
 from steeplejack.design.anchors.refine import _columns, net_worth, refine
 from steeplejack.design.anchors.travel import best_travel
@@ -275,7 +283,11 @@ def test_orders_say_where_the_platform_would_be_let_go(table):
         (lambda p: anchors_along(p, TENSION_FACTOR, 0.1, 1e-6), "step"),
         (lambda p: anchors_along(p, TENSION_FACTOR, 0.1, most_step=0.0), "most step"),
         (lambda p: anchors_along(p, TENSION_FACTOR, 0.1, start=np.full(4, 0.2)), "start of anchor 1"),
+        (lambda p: anchors_along(p, TENSION_FACTOR, 1e9), "travel price"),
+        (lambda p: anchors_along(p, TENSION_FACTOR, 0.1, start=np.zeros(3)), "start"),
         (lambda p: Duty("slip-margin"), "objective slip-margin"),
+        (lambda p: Duty("least-effort"), "objective"),
+        (lambda p: replace(SLIP, gravity=(np.nan, 0.0)), "gravity"),
         (lambda p: replace(SLIP, window=(250.0, 10.0)), "tension window"),
         (lambda p: replace(SLIP, mass=-1.0), "mass"),
         (lambda p: replace(SLIP, drive=300.0), "pull limits"),
@@ -292,3 +304,40 @@ def test_all_products_of_the_candidates_are_looked_at(table):
     found = best_travel(problem, axes, TENSION_FACTOR, 0.0)
     truth = max(worth_of(problem, np.array([v]), TENSION_FACTOR)[0][0] for v in product(*axes))
     assert worth_of(problem, found.offsets, TENSION_FACTOR)[0][0] == truth
+
+
+def test_cables_through_one_point_hold_nothing(table):
+    """Every tension factor is 0 there, and rounding is not taken for one."""
+    for turn in (0.0, 0.3, 1.0):
+        problem = replace(table, attachments=np.tile([[0.1, 0.07]], (4, 1)), poses=table.poses + [0.0, 0.0, turn])
+        value, flags = worth_of(problem, np.zeros((51, 4)), TENSION_FACTOR)
+        assert not value.any() and not flags.any()
+        assert not (worth_of(problem, np.zeros((51, 4)), SLIP)[1] & GRIPPED).any()
+
+
+@pytest.mark.parametrize("price", [0.0, 1.0])
+def test_a_path_of_one_pose(table, price):
+    problem = replace(table, poses=table.poses[:1])
+    path = anchors_along(problem, TENSION_FACTOR, price)
+    assert path.orders == ()
+    assert path.travel == 0.0
+    assert path.mean == pytest.approx(optimal_anchors(problem).tension_factor[0], abs=1e-4)
+
+
+def test_holding_comes_before_any_price(table):
+    # One configuration of this grid holds the first pose, another the second.
+    axes = (np.array([-0.05, 0.05]), np.zeros(1), np.array([-0.05, 0.05]), np.zeros(1))
+    problem = replace(table, poses=table.poses[[0, 48]])
+    held = worth(problem, axes, TENSION_FACTOR)[1] & GRIPPED > 0
+    assert held.any(axis=(1, 2, 3, 4)).all()
+    for price in (1.0, 1e6):
+        offsets = best_travel(problem, axes, TENSION_FACTOR, price).offsets
+        assert np.all(worth_of(problem, offsets, TENSION_FACTOR)[1] & GRIPPED)
+
+
+def test_wide_windows_get_a_coarser_first_grid(table):
+    wide = replace(table, windows=np.tile([-0.4, 0.3], (4, 1)), poses=table.poses[:3])
+    assert (
+        anchors_along(wide, TENSION_FACTOR, 0.1).mean
+        > anchors_along(replace(table, poses=table.poses[:3]), TENSION_FACTOR, 0.1).mean
+    )

@@ -7,6 +7,7 @@ import io
 import math
 import time
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
-FIRST_STEP = 0.01  # [m] grid the exact method starts from where driving has a price
+BOUNDLESS = 1e12  # [N] a pull no cable of this squad reaches
 
 
 def anchors(
@@ -61,6 +62,8 @@ def anchors(
     json: Json = False,
 ) -> None:
     """Best places of the anchor bases along a path (Algorithm 2 and its exact optimum, Eq. 21-28)."""
+    from steeplejack.design.anchors.along import first_grid
+
     site, squad = planar(worksite), load_squad(robot)
     problem = _problem(site, squad, path, _movable(move), window_m)
     duty = _duty(site, squad, objective, mass_kg, tension_n)
@@ -70,8 +73,10 @@ def anchors(
     if out is not None:
         target(out)
     began = time.perf_counter()
+    if step is not None:
+        first_grid(problem, step, ends=False)  # says at once that a grid is too fine
     with bar("searching", None) if travel_price is not None or duty.mass is not None else nullcontext():
-        found, bound = _solve(problem, duty, method, step, travel_price)
+        found, bound = _solve(problem, duty, step, travel_price)
     answer = _answer(problem, found, bound, duty) | {"seconds": time.perf_counter() - began}
     if not found.held.any():
         answer["binding"] = _binding(problem, duty)
@@ -133,12 +138,12 @@ def _duty(
     return Duty(objective, held, limits, site.gravity, base.hold_force, base.drive_force)
 
 
-def _step(method: str, step_m: float | None) -> float:
-    """The grid."""
+def _step(method: str, step_m: float | None) -> float | None:
+    """The grid of algorithm-2; the exact method chooses its own."""
     if method == "exact":
         if step_m is not None:
             raise InputError("--step-m", "the exact method has no grid", "with --method algorithm-2 only")
-        return FIRST_STEP
+        return None
     if step_m is None or not 0.0 < step_m < math.inf:
         raise InputError(
             "--step-m", "none" if step_m is None else f"{step_m:g} m", "the grid of algorithm-2, above 0 m"
@@ -147,7 +152,7 @@ def _step(method: str, step_m: float | None) -> float:
 
 
 def _solve(
-    problem: Reconfiguration, duty: Duty, method: str, step: float, price: float | None
+    problem: Reconfiguration, duty: Duty, step: float | None, price: float | None
 ) -> tuple[AnchorPath, float | None]:
     """Configurations, and the certified bound of the mean objective where there is one.
 
@@ -161,18 +166,15 @@ def _solve(
         best = optimal_anchors(problem)
         bound = float(np.mean(best.upper))
         if price is None and duty.mass is None:
-            offsets = best.offsets if method == "exact" else np.nan_to_num(algorithm_2(problem, step).offsets)
+            offsets = best.offsets if step is None else np.nan_to_num(algorithm_2(problem, step).offsets)
             return anchor_path(problem, offsets, duty), bound
-    return anchors_along(problem, duty, price or 0.0, step, continuous=method == "exact"), bound
+    return anchors_along(problem, duty, price or 0.0, step, continuous=step is None), bound
 
 
 def _answer(problem: Reconfiguration, found: AnchorPath, bound: float | None, duty: Duty) -> dict[str, Any]:
     """The contract's numbers."""
-    from steeplejack.design.anchors import Duty as Question
-    from steeplejack.design.anchors import anchor_path
-
-    fixed = anchor_path(problem, np.zeros_like(found.offsets), Question())
-    factor = np.where(found.held, anchor_path(problem, found.offsets, Question()).value, 0.0)
+    fixed = _factors(problem, np.zeros_like(found.offsets), duty)
+    factor = _factors(problem, found.offsets, duty)
     rows = zip(found.held, factor, found.offsets, strict=True)
     factors, configurations = zip(*((float(tf), v.tolist()) if ok else (None, None) for ok, tf, v in rows), strict=True)
     answer: dict[str, Any] = {
@@ -180,7 +182,7 @@ def _answer(problem: Reconfiguration, found: AnchorPath, bound: float | None, du
         "feasible": int(np.count_nonzero(found.held)),
         "poses": len(found.held),
         "travel_m": found.travel,
-        "fixed_mean_tension_factor": fixed.mean,
+        "fixed_mean_tension_factor": float(np.mean(fixed)),
         "tension_factor": list(factors),
         "configurations": list(configurations),
         "certified_gap": None if bound is None else bound - found.net,
@@ -198,14 +200,33 @@ def _summary(answer: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in answer.items() if not isinstance(value, list)}
 
 
-def _binding(problem: Reconfiguration, duty: Duty) -> str:
-    """Why no pose is held: the cable that would have to push at the first of them, or the load."""
-    from steeplejack.design.anchors import binding_limits
+def _factors(problem: Reconfiguration, offsets: Array, duty: Duty) -> Array:
+    """Tension factor of a configuration a pose, 0 where the duty is not met."""
+    from steeplejack.design.anchors import anchor_path, tension_factors
 
-    limits = binding_limits(problem)
-    if len(limits) == len(problem.poses):
-        return f"no wrench closure: {limits[0].text}"
-    return f"no tensions of {duty.window[0]:g}-{duty.window[1]:g} N within the pull limits of the bases hold the mass"
+    return np.where(anchor_path(problem, offsets, duty).held, tension_factors(problem, offsets), 0.0)
+
+
+def _binding(problem: Reconfiguration, duty: Duty) -> str:
+    """Why no pose is held, for the first of them: the cable that would have to push, or the limit under the load."""
+    from steeplejack.design.anchors import binding_limits
+    from steeplejack.design.anchors.along import first_grid, first_step
+    from steeplejack.design.anchors.worth import GRIPPED, worth
+
+    first = replace(problem, poses=problem.poses[:1])
+    if duty.mass is None:
+        return f"pose 1 has no wrench closure: {binding_limits(first)[0].text}"
+    grid = first_grid(first, first_step(problem.windows))
+    least, largest = duty.window
+    without = {
+        f"least tension of {least:g} N": replace(duty, window=(0.0, largest)),
+        f"largest tension of {largest:g} N": replace(duty, window=(least, np.inf)),
+        f"pull of {duty.hold:g} N along the stays": replace(duty, hold=BOUNDLESS, drive=BOUNDLESS),
+    }
+    binding = [name for name, freer in without.items() if np.any(worth(first, grid, freer)[1] & GRIPPED)]
+    if not binding:
+        return f"at pose 1 several of {', '.join(without)} together"
+    return f"at pose 1 the {' or the '.join(binding)}"
 
 
 def _write(problem: Reconfiguration, found: AnchorPath, duty: Duty, out: Path) -> dict[str, str]:

@@ -8,7 +8,7 @@ import sys
 
 import typer
 
-from steeplejack.cli import inspect, lost, plane, sites, tension_map
+from steeplejack.cli import anchors, climber, climber_design, grasp, inspect, lost, mobility, plane, sites, tension_map
 from steeplejack.cli.terminal import BAD_INPUT, CLOSED_PIPE, ENDED_EARLY, INFEASIBLE, INTERRUPTED, Ended, emit, say
 from steeplejack.errors import InfeasibleError, SteeplejackError
 
@@ -23,6 +23,11 @@ COMMANDS = {
     "inspect": (inspect.inspect, "steeplejack inspect ecs620-like --fan T1L-main --stays 5:9"),
     "report": (inspect.report, "steeplejack report out/run.mcap --out out"),
     "map": (tension_map.tension_map, "steeplejack map table-iii --phi-deg 50 --step-m 0.01 --out out"),
+    "anchors": (anchors.anchors, "steeplejack anchors table-iii --path eq28 --move 1,2,3,4 --window-m 0.05"),
+    "grasp": (
+        grasp.grasp,
+        "steeplejack grasp table-iii --stay 3 --x-m -0.1 --half-width-m 0.03 --half-length-m 0.05 --phi-deg 50",
+    ),
     "pose": (plane.pose, "steeplejack pose table-iii --lengths-m 0.32825749 0.37297465 0.39453155 0.43263676"),
     "tensions": (plane.tensions, "steeplejack tensions table-iii --pose -0.1 0.45 50 --mass-kg 8 --tension-n 10 250"),
     "lost-cable": (
@@ -30,6 +35,20 @@ COMMANDS = {
         "steeplejack lost-cable table-iii --pose -0.23074604 0.55283179 50 --cable 2 --mass-kg 30",
     ),
     "grip": (plane.grip, "steeplejack grip --radius-m 0.05 --inclination-deg 45 --palm-m 0.09 --sign +"),
+    "legs": (climber.legs, "steeplejack legs --pose 0.020 0.150 0"),
+    "platform": (climber.platform, "steeplejack platform --q-m 0.159765453 0.177552809 0.151327460"),
+    "motion": (climber.motion, "steeplejack motion eq27 --hz-m 0.1 --at 5"),
+    "singularity": (climber.singularity, "steeplejack singularity --alpha-deg -30 --out out"),
+    "mobility": (mobility.mobility, "steeplejack mobility --dims 0.100 0.100 0.075 0.075"),
+    "reach": (climber_design.reach, "steeplejack reach --alpha-deg 0 --step-m 0.001 --joint-neutral home --out out"),
+    "transmission": (
+        climber_design.transmission,
+        "steeplejack transmission --alpha-deg 0 --step-m 0.001 --rectangle -0.05 0.05 0.13 0.2 --out out",
+    ),
+    "dimensions": (
+        climber_design.dimensions,
+        "steeplejack dimensions --rectangle -0.05 0.05 0.13 0.2 --scale l1 --step 0.01 --out out",
+    ),
     "robots": (sites.robots, "steeplejack robots"),
     "worksites": (sites.worksites, "steeplejack worksites"),
     "warmup": (sites.warmup, "steeplejack warmup"),

@@ -8,6 +8,7 @@ import typer
 
 from steeplejack.cli.terminal import INFEASIBLE, Json, Robot, Worksite, bridge, emit, say
 from steeplejack.planning import verdicts
+from steeplejack.robots.pipe_climber import load_pipe_climber
 from steeplejack.robots.squad import BUILT_IN, load_squad
 from steeplejack.worksite import list_worksites
 
@@ -33,12 +34,15 @@ def check(worksite: Worksite, robot: Robot = BUILT_IN, json: Json = False) -> No
 
 def robots(json: Json = False) -> None:
     """List the built-in robots with their sources."""
-    squad = load_squad()
-    source = "Zheng et al., CCRobot-S, IEEE T-RO, presented at ICRA 2026; estimates marked in the file"
+    machines = {
+        load_squad().name: "Zheng et al., CCRobot-S, IEEE T-RO, presented at ICRA 2026; estimates marked in the file",
+        load_pipe_climber().name: "Ye et al., Robotica 2024, doi 10.1017/S0263574724002133; estimates marked in the file",
+    }
     if json:
-        emit({"robots": [{"name": squad.name, "source": source}]})
+        emit({"robots": [{"name": name, "source": source} for name, source in machines.items()]})
     else:
-        print(f"{squad.name:<12} {source}")
+        for name, source in machines.items():
+            print(f"{name:<14} {source}")
 
 
 def worksites(json: Json = False) -> None:

@@ -6,9 +6,10 @@ a window upside down is refused with the path of the field.
 
 from __future__ import annotations
 
+import math
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, TypeVar, cast
 
 import msgspec
 
@@ -28,14 +29,22 @@ class Sourced(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     source: dict[str, str]
 
     def __post_init__(self) -> None:
-        """Refuse a value without a source and a window upside down."""
+        """Refuse a value without a source, a number that is not finite and a window upside down."""
         names = {field for field in self.__struct_fields__ if field != "source"}
         for name in sorted(names ^ set(self.source)):
             raise ValueError(f"`{name}` needs both a value and an entry under `source`")
         for name in sorted(names):
             value = getattr(self, name)
+            if not all(math.isfinite(one) for one in _numbers(value)):
+                raise ValueError(f"`{name}` = {value} is not finite")
             if isinstance(value, tuple) and len(value) == 2 and not value[0] < value[1]:  # pyright: ignore
                 raise ValueError(f"`{name}` = {list(value)} is upside down")  # pyright: ignore[reportUnknownArgumentType]
+
+
+def _numbers(value: object) -> list[float]:
+    """The floating-point numbers of a field."""
+    entries = cast("tuple[object, ...]", value) if isinstance(value, tuple) else (value,)
+    return [one for one in entries if isinstance(one, float)]
 
 
 def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Machine]) -> Machine:

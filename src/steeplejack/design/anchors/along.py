@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 FINER = 2  # times the grid is halved about the places in use
 MOST_COMBINATIONS = 15_000  # of offsets looked at in a refined grid, a pose
 MOST_GRID = 400_000  # of offsets on the first grid, a pose
+FIRST_GRID = 15_000  # of offsets on a first grid that is chosen here
+MOST_NODES = 101  # of one anchor on it
+MOST_PRICE = 1e6  # [1/m] beyond which values drown in rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ def anchors_along(
     problem: Reconfiguration,
     duty: Duty,
     price: float,
-    step: float = 0.01,
+    step: float | None = None,
     most_step: float = np.inf,
     start: Array | None = None,
     continuous: bool = True,
@@ -98,9 +101,9 @@ def anchors_along(
         problem: Anchors, platform and path.
         duty: What is borne and what counts.
         price: Of a metre driven along a stay, in units of the mean objective [1/m].
-        step: Of the first grid of offsets [m].
+        step: Of the first grid of offsets [m]; by default as fine as some ten thousand configurations allow.
         most_step: Farthest a base drives between two poses, along its stay [m].
-        start: Offsets the bases stand at at the first pose (4,) [m]; None if they may be set up anywhere.
+        start: Offsets the bases stand at, at the first pose (4,) [m]; None if they may be set up anywhere.
         continuous: Refine the grid and the places; False keeps to the nodes of Algorithm 2.
 
     Returns:
@@ -116,7 +119,7 @@ def trade_off(
     problem: Reconfiguration,
     duty: Duty,
     prices: Iterable[float],
-    step: float = 0.01,
+    step: float | None = None,
     most_step: float = np.inf,
     start: Array | None = None,
     continuous: bool = True,
@@ -127,9 +130,9 @@ def trade_off(
         problem: Anchors, platform and path.
         duty: What is borne and what counts.
         prices: Of a metre driven along a stay, in units of the mean objective [1/m].
-        step: Of the first grid of offsets [m].
+        step: Of the first grid of offsets [m]; by default as fine as some ten thousand configurations allow.
         most_step: Farthest a base drives between two poses, along its stay [m].
-        start: Offsets the bases stand at at the first pose (4,) [m]; None if they may be set up anywhere.
+        start: Offsets the bases stand at, at the first pose (4,) [m]; None if they may be set up anywhere.
         continuous: Refine the grid and the places; False keeps to the nodes of Algorithm 2.
 
     Returns:
@@ -137,11 +140,12 @@ def trade_off(
     """
     asked = [float(price) for price in prices]
     for price in asked:
-        if not 0.0 <= price < np.inf:
-            raise InputError("travel price", f"{price:g} per metre", "finite and not negative")
+        if not 0.0 <= price <= MOST_PRICE:
+            raise InputError("travel price", f"{price:g} per metre", f"0 to {MOST_PRICE:g}")
     if not most_step > 0.0:
         raise InputError("most step", f"{most_step:g} m", "above 0 m")
-    grid = _grid(problem, step, start, continuous)
+    step = first_step(problem.windows) if step is None else step
+    grid = first_grid(problem, step, start, continuous)
     levels = FINER + 1 if continuous else 0
     found = [path for price in asked for path in _search(problem, duty, price, grid, step, most_step, start, levels)]
     best = []
@@ -178,8 +182,38 @@ def _search(
     return paths
 
 
-def _grid(problem: Reconfiguration, step: float, start: Array | None, ends: bool) -> Candidates:
-    """The nodes of Algorithm 2, where the bases stand, and the ends of the windows where asked for."""
+def first_step(windows: Array) -> float:
+    """Step of a first grid over windows (4, 2): some ten thousand configurations, or a hundred places of one anchor.
+
+    Args:
+        windows: Least and largest offset of each anchor along x [m].
+
+    Returns:
+        The step [m].
+    """
+    widths = windows[:, 1] - windows[:, 0]
+    movable = max(int(np.count_nonzero(widths)), 1)
+    nodes = min(int(FIRST_GRID ** (1.0 / movable)), MOST_NODES)
+    return float(widths.max()) / (nodes - 1) if widths.max() > 0.0 else 1.0
+
+
+def first_grid(problem: Reconfiguration, step: float, start: Array | None = None, ends: bool = True) -> Candidates:
+    """The nodes of Algorithm 2, where the bases stand, and the ends of the windows where asked for.
+
+    Args:
+        problem: Anchors and their windows.
+        step: Of the grid [m].
+        start: Offsets the bases stand at, (4,) [m].
+        ends: Whether the ends of the windows belong to it.
+
+    Returns:
+        Offsets each anchor may take, four sorted arrays [m].
+
+    Raises:
+        InputError: A start outside the windows, a step that means nothing or is too fine.
+    """
+    if start is not None and (np.shape(start) != (4,) or not np.isfinite(start).all()):
+        raise InputError("start", f"shape {np.shape(start)}", "four finite offsets in metres")
     axes = []
     for i, (nodes, (low, high)) in enumerate(zip(grid_axes(problem, step), problem.windows, strict=True)):
         if start is not None and not low <= start[i] <= high:

@@ -58,7 +58,8 @@ def refine(
         price: Of a metre driven along a stay, in units of the mean objective [1/m].
         region: First trust region: how far a stop moves in one round [m].
         most_step: Farthest a base drives between two poses, along its stay [m].
-        start: Offsets the bases stand at at the first pose (4,) [m]; None if free to choose.
+        start: Offsets the bases stand at, at the first pose (4,) [m]; None if free to choose.
+        split: Let a base drive at every pose, so that who stops when may change too.
 
     Returns:
         Offsets (k, 4) [m], never worth less, holding wherever the given ones hold and driving in an order that holds
@@ -121,7 +122,8 @@ class _Task:
 def _safe(problem: Reconfiguration, offsets: Array, duty: Duty) -> NDArray[np.bool_]:
     """Poses held (k,), then drives with an order that holds (k - 1,)."""
     held = (worth_of(problem, offsets, duty)[1] & GRIPPED) > 0
-    return np.concatenate([held, [order is not None for order in drive_orders(problem, offsets, duty)]])
+    driven_safely = np.array([order is not None for order in drive_orders(problem, offsets, duty)], dtype=bool)
+    return np.concatenate([held, driven_safely])
 
 
 def _columns(problem: Reconfiguration, offsets: Array) -> tuple[Array, Array, Array, Array]:

@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.uint8]
 Candidates = tuple[Array, Array, Array, Array]
 
-UNHELD = -1e6  # worth of a pose that is not held where it could be: more than any path of values and drives
-
 
 @dataclass(frozen=True, eq=False)
 class Travel:
@@ -60,7 +58,7 @@ def best_travel(
         duty: What is borne and what counts.
         price: Of a metre driven along a stay, in units of the objective summed over poses [1/m].
         most_step: Farthest a base drives between two poses, along its stay [m].
-        start: Offsets the bases stand at at the first pose (4,) [m], among the candidates; None if free to choose.
+        start: Offsets the bases stand at, at the first pose (4,) [m], among the candidates; None if free to choose.
 
     Returns:
         The path; the choice of a best path among equals is the first of the grid.
@@ -68,11 +66,13 @@ def best_travel(
     value, flags = worth(problem, candidates, duty)
     held = (flags & GRIPPED) > 0
     possible = held.any(axis=(1, 2, 3, 4))
-    value[~held] = UNHELD
-    value[~possible] = 0.0
-    flags[~possible] = 31
     stretch = np.hypot(problem.directions[:, 0], problem.directions[:, 1])
     grids = tuple(np.ascontiguousarray(axis) * scale for axis, scale in zip(candidates, stretch, strict=True))
+    # A pose that is not held where it could be costs more than any path can gain by values or save by not driving.
+    farthest = len(value) * sum(float(axis[-1] - axis[0]) for axis in grids)
+    value[~held] = -(1.0 + 2.0 * len(value) * float(np.abs(value).max()) + price * farthest)
+    value[~possible] = 0.0
+    flags[~possible] = 31
     if start is not None:
         allowed = np.full(value.shape[1:], -np.inf)
         allowed[tuple(int(np.argmin(np.abs(axis - at))) for axis, at in zip(candidates, start, strict=True))] = 0.0

@@ -15,7 +15,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.design.anchors.problem import Reconfiguration
+from steeplejack.design.anchors.twists import factor_of
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.wrench.hyperplanes import TOLERANCE
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.uint8]
@@ -47,6 +49,10 @@ class Duty:
 
     def __post_init__(self) -> None:
         """Refuse a duty that means nothing; keep it as the array the kernel takes."""
+        if self.objective not in ("tension-factor", "slip-margin"):
+            raise InputError("objective", repr(self.objective), "tension-factor or slip-margin")
+        if not np.isfinite(self.gravity).all():
+            raise InputError("gravity", f"{tuple(self.gravity)} m/s2", "two finite numbers")
         if self.objective == "slip-margin" and (self.mass is None or not np.isfinite(self.hold)):
             raise InputError("objective slip-margin", "no load or no pull limit", "a mass, a tension window and limits")
         if self.mass is not None and not 0.0 <= self.mass < np.inf:
@@ -198,8 +204,7 @@ def _judge(c: Array, load: Array, scratch: Array) -> tuple[float, np.uint8]:
     """Objective and flags of one configuration at one pose."""
     null, particular = scratch[0], scratch[1]
     _null_vector(c, null)
-    least, largest = min(null[0], null[1], null[2], null[3]), max(null[0], null[1], null[2], null[3])
-    factor = least / largest if least > 0.0 else 0.0
+    factor = factor_of(c)
     if load[0] < 0.0:
         return factor, np.uint8(31) if factor > 0.0 else np.uint8(0)
     if not _particular(c, null, load[0] * load[3], load[0] * load[4], particular):
@@ -218,16 +223,21 @@ def _judge(c: Array, load: Array, scratch: Array) -> tuple[float, np.uint8]:
 
 @njit(cache=True)
 def _particular(c: Array, null: Array, fx: float, fy: float, out: Array) -> bool:
-    """Tensions that balance a force (fx, fy) at p with the cable slack that the null vector can best replace."""
-    k = 0
-    for i in range(1, 4):
+    """Tensions that balance a force (fx, fy) at p with the cable slack that the null vector can best replace.
+
+    False at a singular pose, judged as `twists.factor_of` does.
+    """
+    k, square, volume = 0, 0.0, 1.0
+    for i in range(4):
+        square += null[i] * null[i]
         if abs(null[i]) > abs(null[k]):
             k = i
+    for row in range(3):
+        volume *= c[0, row] ** 2 + c[1, row] ** 2 + c[2, row] ** 2 + c[3, row] ** 2
+    if not square > TOLERANCE * TOLERANCE * volume:
+        return False
     i, j, h = (k + 1) % 4, (k + 2) % 4, (k + 3) % 4
     det = _determinant(c[i], c[j], c[h])
-    arm = max(abs(c[0, 2]), abs(c[1, 2]), abs(c[2, 2]), abs(c[3, 2]))
-    if not abs(det) > 1e-12 * arm:
-        return False
     out[k] = 0.0
     out[i] = _against(fx, fy, c[j], c[h]) / det
     out[j] = _against(fx, fy, c[h], c[i]) / det

@@ -14,21 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.design.stances.ground import Ground, on_bay, straight
-from steeplejack.design.stances.held import HELD, UNKNOWN
-from steeplejack.design.stances.search import Room, best_stances, compass
-from steeplejack.design.stances.weigh import Equilibria, by_forces, room_about
-from steeplejack.design.stances.worth import POINT, SLIP, SPACE
+from steeplejack.design.stances.ground import Ground, on_bay
+from steeplejack.design.stances.in_space import in_space
+from steeplejack.design.stances.on_chords import on_chords
+from steeplejack.design.stances.rules import ChartRules
+from steeplejack.design.stances.weigh import room_about
 from steeplejack.errors import InputError
 from steeplejack.robots.squad import Bay, Squad
 from steeplejack.worksite import Bridge, Fan
-from steeplejack.worksite.bridge import plane_normal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,66 +47,8 @@ REASONS = (
     "platform meets a stay",
     "no tensions within their window",
 )
-COUNT = 7
-"""Places tried for each base before the search goes on from the best."""
-STARTS = 2
-TOLERANCE = 0.25
-"""Last step of the search along a stay [m]; margins gain under 0.01 beyond it."""
-CERTIFIED = 64
-"""Stances of the grid whose equilibrium is looked at before a place counts as not held."""
-AT_ONCE = 8
-"""Of them, judged in one call."""
-SWING = 0.05
-"""Kept from both ends of the camera's range [m]: off the face the platform swings."""
-AROUND = 25.0
-"""Stay beyond the outermost base that clearances are checked against [m]."""
-NODE = 4.0
-"""Nodes of the stays that clearances are checked against [m]."""
 BLOCK = 24
 """Stations for which the stays around are cut to one stretch."""
-
-
-@dataclass(frozen=True)
-class ChartRules:
-    """What a chart asks for.
-
-    Attributes:
-        mass: Of platform and payload [kg].
-        tension: Working window of the driving cables [N].
-        within: How far from the platform's s a base may stand along its stay [m].
-        spacing: Distance of the stations [m].
-        width: Stays of a bay, boundary stays included, where the fan has as many.
-        cell: Length of the cells of the fixed stance [m].
-        reserve: Taken off every tension, pull and twist limit [1].
-        levels: Stand-offs tried over the camera's range, in space.
-        twist: Whether what a base holds about its stay counts, in space.
-        cable_clearance: Gap of a driving cable from a stay's surface, in space [m].
-        dexterity: Least over largest singular value in the plane of the cables, in space [1].
-        driving: Whether the phases in which a base drives are charted as well.
-    """
-
-    mass: float = 30.0
-    tension: tuple[float, float] = (10.0, 400.0)
-    within: float = 30.0
-    spacing: float = 2.0
-    width: int = 5
-    cell: float = 30.0
-    reserve: float = 0.0
-    levels: int = 4
-    twist: bool = True
-    cable_clearance: float = 0.02
-    dexterity: float = 0.2
-    driving: bool = True
-
-    def __post_init__(self) -> None:
-        """Refuse what no chart can be made of."""
-        for name in ("mass", "within", "spacing", "cell"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise InputError(name, f"{getattr(self, name):g}", "a finite number above 0")
-        if self.width < 3 or self.levels < 1:
-            raise InputError("width, levels", f"{self.width}, {self.levels}", "at least 3 stays and 1 level")
-        if not 0.0 <= self.reserve < 1.0:
-            raise InputError("reserve", f"{self.reserve:g}", "a share of 0 or more, below 1")
 
 
 def stance_chart(
@@ -207,9 +148,9 @@ def _along(bridge: Bridge, squad: Squad, rules: ChartRules, statics: Statics, ba
         block = todo[begin : begin + BLOCK]
         some = s[block], replace(room, windows=room.windows[block]), fixed[block]
         if statics == "chords":
-            parts.append(_in_plane(bridge, bay, k, rules, ground, limits, *some))
+            parts.append(on_chords(bridge, bay, k, rules, limits, *some))
         else:
-            parts.append(_in_space(bridge, bay, k, squad, rules, ground, limits, *some))
+            parts.append(in_space(bridge, bay, k, squad, rules, ground, limits, *some))
     table = {"s": s, "asked": asked}
     for name in parts[0] if parts else ():
         values = np.concatenate([part[name] for part in parts])
@@ -256,139 +197,6 @@ def _first_free(ground: Ground, base: int) -> float:
 def _last_free(ground: Ground, base: int) -> float:
     zones = ground.barred[base]
     return float(min([ground.range[base, 1], *(zone[0] for zone in zones if zone[1] >= ground.range[base, 1])]))
-
-
-def _in_plane(
-    bridge: Bridge,
-    bay: Bay,
-    k: int,
-    rules: ChartRules,
-    ground: Ground,
-    limits: Array,
-    s: Array,
-    room: Room,
-    fixed: Array,
-) -> dict[str, Array]:
-    """Stations of one stay by the point-mass estimate on chords; every phase of every station is a row."""
-    normal = plane_normal(bay.stays)
-    up = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
-    up /= np.linalg.norm(up)
-    plane = np.stack([np.cross(up, normal), up])
-    ends = np.stack([np.array([bay.stays[i].lower, bay.stays[i].upper]) @ plane.T for i in bay.carriers])
-    flat = straight(ends[:, 0], ends[:, 1], rules.tension, 1.0)
-    n, q = len(s), len(limits)
-    positions = np.zeros((n * q, 3))
-    positions[:, :2] = np.repeat(bay.stays[k].position(s) @ plane.T, q, axis=0)
-    load = np.append(plane @ (rules.mass * np.asarray(bridge.gravity)), 0.0)[None]
-    arms = np.zeros((n * q, 4, 3))
-    room = replace(room, windows=np.repeat(room.windows, q, axis=0))
-    worth = by_forces(SLIP, POINT, flat, room, positions, arms, load, np.tile(limits, (n, 1, 1)))
-    found = best_stances(worth, room, room.windows.mean(axis=-1), COUNT, STARTS, TOLERANCE)
-    standing = replace(room, windows=np.broadcast_to([-np.inf, np.inf], room.windows.shape))
-    other = by_forces(SLIP, POINT, flat, standing, positions, arms, load, np.tile(limits, (n, 1, 1)))
-    return {
-        "margin": _known(found.worth).reshape(n, q),
-        "stance": found.s.reshape(n, q, 4),
-        "fixed_margin": _known(other(np.arange(n * q), np.repeat(fixed, q, axis=0)[:, None])).reshape(n, q),
-    }
-
-
-def _in_space(
-    bridge: Bridge,
-    bay: Bay,
-    k: int,
-    squad: Squad,
-    rules: ChartRules,
-    ground: Ground,
-    limits: Array,
-    s: Array,
-    room: Room,
-    fixed: Array,
-) -> dict[str, Array]:
-    """Stations of one stay by equilibria in space; a row is a station, a stand-off and a phase."""
-    near, far = squad.camera.stand_off
-    off = np.linspace(near + SWING, far - SWING, rules.levels)
-    shape = len(s), len(off), len(limits)
-    each = [np.ravel(values) for values in np.broadcast_arrays(*np.ix_(s, off, np.arange(len(limits))))]
-    positions = bay.place(np.full(each[0].shape, float(k)), each[0], each[1] + bay.radius(k))
-    guesses = np.repeat(np.stack([bay.frame(float(k), float(value)) for value in s]), shape[1] * shape[2], axis=0)
-    room = replace(room, windows=np.repeat(room.windows, shape[1] * shape[2], axis=0))
-    rows = np.arange(len(positions))
-    attachments, weight = np.array(squad.platform.attachments), rules.mass * np.asarray(bridge.gravity)
-    arms = attachments @ np.swapaxes(guesses, -1, -2)
-    forces = by_forces(SLIP, SPACE, ground, room, positions, arms, weight[None], limits[each[2].astype(int)])
-    platform = attachments, weight, np.array(squad.platform.centre_of_mass)
-    truth = Equilibria(
-        ground, room, positions, guesses, limits[each[2].astype(int)], platform, _surroundings(bay, squad, rules, s)
-    )
-    grid = room.grid(COUNT)
-    values = forces(rows, grid)
-    stances, margins, reasons = _ranked(truth, values, grid)
-    level = np.argmax(margins.reshape(shape), axis=1)
-    best = np.ravel((np.arange(shape[0])[:, None] * shape[1] + level) * shape[2] + np.arange(shape[2]))
-    chosen = truth.of(best)
-    mesh = float(np.max(room.windows[..., 1] - room.windows[..., 0])) / (COUNT - 1)
-    stance, margin = compass(
-        chosen.margin, chosen.room, stances[best], margins[best], 0.5 * mesh, TOLERANCE, together=False
-    )
-    level = np.where(np.isfinite(margin), each[1][best], np.nan)
-    standing = replace(room, windows=np.broadcast_to([-np.inf, np.inf], room.windows.shape))
-    others = truth.on(standing).margin(rows, np.repeat(fixed, shape[1] * shape[2], axis=0)[:, None])
-    out = {
-        "margin": _known(margin),
-        "fixed_margin": _known(others.reshape(shape).max(axis=1)),
-        "force_margin": _known(values.max(axis=1).reshape(shape).max(axis=1)),
-        "stand_off": level,
-        "reason": reasons[best].astype(float),
-    }
-    return {"stance": stance.reshape(shape[0], shape[2], 4)} | {
-        name: of.reshape(shape[0], shape[2]) for name, of in out.items()
-    }
-
-
-def _ranked(truth: Equilibria, values: Array, grid: Array) -> tuple[Array, Array, NDArray[np.int64]]:
-    """For each row the first stance of the grid (n, c, 4), in the order of its worth by forces, that truly holds.
-
-    Returns:
-        Stances (n, 4) [m], their margins (n,), ``-inf`` where none of those looked at holds, and why the first did not.
-    """
-    order = np.argsort(-values, axis=1, kind="stable")[:, :CERTIFIED]
-    stances, margins = np.full((len(values), 4), np.nan), np.full(len(values), -np.inf)
-    reasons = np.full(len(values), UNKNOWN)
-    left = np.arange(len(values))
-    for begin in range(0, order.shape[1], AT_ONCE):
-        some = order[left, begin : begin + AT_ONCE]
-        # Below 0 by forces nothing holds; one stance is judged all the same for the reason.
-        open_ = values[left, some[:, 0]] >= (-np.inf if begin == 0 else 0.0)
-        left, some = left[open_], some[open_]
-        if not len(left):
-            break
-        trial = np.take_along_axis(grid[left], some[..., None], axis=1)
-        found, why = truth.judge(left, trial)
-        if begin == 0:
-            reasons[left] = why[:, 0]
-        good = why == HELD
-        first = np.argmax(good, axis=1)
-        hit = good[np.arange(len(left)), first]
-        stances[left[hit]], margins[left[hit]] = trial[hit, first[hit]], found[hit, first[hit]]
-        reasons[left[hit]] = HELD
-        left = left[~hit]
-    return stances, margins, reasons
-
-
-def _surroundings(bay: Bay, squad: Squad, rules: ChartRules, s: Array) -> tuple[Array, Array, NDArray[np.int64], Array]:
-    """Stays as polylines about the stations (k, n, 3) [m], their radii [m], each base's own, and what is asked."""
-    low, high = max(0.0, float(np.min(s)) - rules.within - AROUND), float(np.max(s)) + rules.within + AROUND
-    nodes = max(2, int(np.ceil((high - low) / NODE)) + 1)
-    lines = [stay.position(np.linspace(min(low, stay.length), min(high, stay.length), nodes)) for stay in bay.stays]
-    asked = [squad.cable.axial_stiffness, rules.dexterity, squad.winch.stored_length, rules.cable_clearance]
-    radii = np.array([bay.radius(i) for i in range(len(bay.stays))])
-    return np.stack(lines), radii, np.array(bay.carriers), np.array([*asked, squad.platform.clearance])
-
-
-def _known(margins: Array) -> Array:
-    """Margins with not a number where no tensions hold the platform."""
-    return np.where(margins > -1e3, margins, np.nan)
 
 
 def _dataset(

@@ -26,6 +26,11 @@ def room_about(ground: Ground, centre: Array, within: float) -> Room:
     )
 
 
+def known(margins: Array) -> Array:
+    """Margins with not a number where no tensions hold the platform."""
+    return np.where(margins > -1e3, margins, np.nan)
+
+
 def by_forces(
     objective: int,
     statics: int,

@@ -30,7 +30,8 @@ TIE = 1e-9
 
 @njit(cache=True)
 def active_facet_each(
-    structures: Array, held: Flags, room: int, measure: int, wrenches: Array, lower: Array, upper: Array, weights: Array,
+    structures: Array, held: Flags, room: int, measure: int, wrenches: Array, lower: Array, upper: Array,
+    weights: Array,
     value: Array, normal: Array, tensions: Array, inside: Flags, smooth: Flags,
 ) -> None:  # fmt: skip
     """The facet that sets a measure of every structure matrix (k, n, m); nothing is written where it has none.

@@ -1,0 +1,150 @@
+"""Commands about the pipe climber's kinematics: legs, platform, motion, singularity."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from steeplejack.cli.climber_options import ClimberConvention, ClimberDims, ClimberRobot, JointNeutral, climber, pose_of
+from steeplejack.cli.terminal import INFEASIBLE, Json, emit, say, show, target, writing
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.parameters import BUILT_IN
+
+Triple = tuple[float, float, float]
+
+
+def legs(
+    pose: Annotated[Triple, typer.Option(help="X and W in metres, ALPHA in degrees: pose of O2.")],
+    robot: ClimberRobot = BUILT_IN,
+    convention: ClimberConvention = None,
+    dims: ClimberDims = None,
+    joint_neutral: JointNeutral = None,
+    json: Json = False,
+) -> None:
+    """Inverse kinematics: lengths of the three limbs, and the limits they do not hold."""
+    from steeplejack.robots.pipe_climber.inverse import exceeded, limb_lengths
+
+    _, layout = climber(robot, convention, dims, joint_neutral)
+    given = pose_of("--pose", pose)
+    beyond = exceeded(layout, given)
+    listed = [
+        {"limb": one.limb, "what": one.what, **_measured(one.value, one.limit, "m" if one.what == "length" else "rad")}
+        for one in beyond
+    ]
+    answer = {"q_m": limb_lengths(layout, given).tolist(), "exceeded": listed}
+    emit(answer) if json else show(answer)
+    if beyond:
+        say("out of reach: " + "; ".join(map(str, beyond)))
+        raise typer.Exit(INFEASIBLE)
+
+
+def platform(
+    q_m: Annotated[Triple, typer.Option("--q-m", help="Lengths of limbs 1 to 3.")],
+    robot: ClimberRobot = BUILT_IN,
+    convention: ClimberConvention = None,
+    dims: ClimberDims = None,
+    json: Json = False,
+) -> None:
+    """Forward kinematics: every real pose of three limb lengths, proved to be all; none if they do not close."""
+    from steeplejack.robots.pipe_climber.certificate import certified_poses
+
+    _, layout = climber(robot, convention, dims)
+    if not all(0.0 < length < math.inf for length in q_m):
+        raise InputError("--q-m", " ".join(f"{length:g}" for length in q_m), "three finite lengths above 0 m")
+    solutions = [
+        {"x_m": one.pose[0], "w_m": one.pose[1], "alpha_deg": math.degrees(one.pose[2]), "working_mode": one.mode}
+        for one in certified_poses(layout, q_m)
+    ]
+    if json:
+        emit({"solutions": solutions, "certified": True})
+        return
+    for one in solutions:
+        print(f"x {one['x_m']:.9g} m, w {one['w_m']:.9g} m, alpha {one['alpha_deg']:.9g} deg   {one['working_mode']}")
+    print(f"{len(solutions)} real solutions, proved")
+
+
+def motion(
+    motion: Annotated[str, typer.Argument(help="eq27, eq27-printed or a TOML file of polynomials.")],
+    at: Annotated[float, typer.Option("--at", help="Moment of the motion [s].")],
+    hz_m: Annotated[float | None, typer.Option(help="From O2 to the claw; by default as in the robot file.")] = None,
+    robot: ClimberRobot = BUILT_IN,
+    convention: ClimberConvention = None,
+    dims: ClimberDims = None,
+    joint_neutral: JointNeutral = None,
+    json: Json = False,
+) -> None:
+    """Limbs along a motion of the claw: lengths, speeds and accelerations at a moment, violations over all of it."""
+    from steeplejack.robots.pipe_climber.motion import limb_states, load_motion
+    from steeplejack.robots.pipe_climber.violations import violations
+
+    machine, layout = climber(robot, convention, dims, joint_neutral)
+    offset = machine.linkage.claw_offset if hz_m is None else hz_m
+    if not math.isfinite(offset):
+        raise InputError("--hz-m", f"{offset:g} m", "a finite length")
+    moved = load_motion(motion)
+    if not 0.0 <= at <= moved.duration:
+        raise InputError("--at", f"{at:g} s", f"within the motion, 0 to {moved.duration:g} s")
+    lengths, speeds, accelerations = limb_states(layout, moved, at, offset)
+    found = violations(machine, layout, moved, offset)
+    answer = {"q_m": lengths.tolist(), "qd_m_s": speeds.tolist(), "qdd_m_s2": accelerations.tolist()}
+    if json:
+        emit(answer | {"violations": [one._asdict() for one in found]})
+        return
+    show(answer)
+    for one in found:
+        who = f"limb {one.limb} {one.what}" if one.limb else one.what
+        span = f"{one.from_s:.4g} to {one.to_s:.4g} s, worst at {one.at_s:.4g} s"
+        print(f"violated: {who:<24} {one.value:.5g} {one.unit}, limit {one.limit:.5g}   {span}")
+
+
+def singularity(
+    alpha_deg: Annotated[float, typer.Option(help="Turn of the platform about Y.")],
+    robot: ClimberRobot = BUILT_IN,
+    convention: ClimberConvention = None,
+    dims: ClimberDims = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for singularity.svg.")] = None,
+    json: Json = False,
+) -> None:
+    """The singular surface at one alpha, and how near the poses within the actuators' reach come to it."""
+    from steeplejack.robots.pipe_climber.singular_slice import ROWS_PER_METRE, singular_slice
+
+    _, layout = climber(robot, convention, dims)
+    if not math.isfinite(alpha_deg):
+        raise InputError("--alpha-deg", f"{alpha_deg:g} deg", "a finite angle")
+    if out is not None:
+        target(out)
+    found = singular_slice(layout, math.radians(alpha_deg))
+    answer: dict[str, Any] = {
+        "min_abs_det": found.least / layout.lengths[0],
+        "min_at_m": list(found.least_at),
+        "sign_changes": found.crossings,
+        "signs": list(found.signs),
+    }
+    if out is not None:
+        answer["figure"] = str(_drawn(layout, math.radians(alpha_deg), out))
+    if json:
+        emit({"x_of_w": found.curve.tolist(), "w_step_m": 1.0 / ROWS_PER_METRE, **answer})
+    else:
+        show(answer)
+
+
+def _measured(value: float, limit: float, unit: str) -> dict[str, float]:
+    """Value and limit with their unit in the key."""
+    if unit == "m":
+        return {"value_m": value, "limit_m": limit}
+    return {"value_deg": math.degrees(value), "limit_deg": math.degrees(limit)}
+
+
+def _drawn(layout: Any, alpha: float, out: Path) -> Path:
+    """Write the figure of the slice."""
+    from steeplejack.design.charts.singularity import singularity_figure
+    from steeplejack.design.charts.style import save_figure
+
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "singularity.svg"
+    with writing(path):
+        save_figure(singularity_figure(layout, alpha), path)
+    return path

@@ -1,0 +1,57 @@
+"""Options that every command of the pipe climber takes, and the machine they describe."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Annotated
+
+import typer
+
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.parameters import Convention, Neutral, PipeClimber, load_pipe_climber
+
+Lengths = tuple[float, float, float, float]
+Pose = tuple[float, float, float]
+
+ClimberRobot = Annotated[str, typer.Option("--robot", help="pipe-climber or a TOML robot file.")]
+ClimberConvention = Annotated[
+    Convention | None,
+    typer.Option("--convention", help="Where B2 and B3 sit (Table II or Eq. 5-9); by default as in the robot file."),
+]
+ClimberDims = Annotated[
+    Lengths | None, typer.Option("--dims", help="L1 L2 L3 L4 in metres; by default those of the robot file.")
+]
+JointNeutral = Annotated[
+    Neutral | None,
+    typer.Option("--joint-neutral", help="What the hinges' limit counts from; by default as in the robot file."),
+]
+
+
+def climber(
+    robot: str, convention: Convention | None = None, dims: Lengths | None = None, neutral: Neutral | None = None
+) -> tuple[PipeClimber, Layout]:
+    """The machine and its hinges as the options say.
+
+    Raises:
+        InputError: No such robot, or dimensions no mechanism has.
+    """
+    machine = load_pipe_climber(robot)
+    layout = Layout.of(machine)
+    if dims is not None and not all(0.0 < length < math.inf for length in dims):
+        raise InputError("--dims", " ".join(f"{length:g}" for length in dims), "four finite lengths above 0 m")
+    changes = {"lengths": dims, "convention": convention, "neutral": neutral}
+    return machine, dataclasses.replace(layout, **{name: one for name, one in changes.items() if one is not None})
+
+
+def pose_of(option: str, pose: Pose) -> Pose:
+    """X and W in metres and ALPHA in degrees as (x, w, alpha) [m, m, rad].
+
+    Raises:
+        InputError: One of them is not finite.
+    """
+    x, w, degrees = pose
+    if not all(map(math.isfinite, pose)):
+        raise InputError(option, f"{x:g} {w:g} {degrees:g}", "X and W in metres and ALPHA in degrees, all finite")
+    return x, w, math.radians(degrees)

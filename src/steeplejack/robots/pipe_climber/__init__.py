@@ -1,0 +1,11 @@
+"""The pipe climber: 3-RPR parallel mechanism, remote-centre-of-motion linkage, two grippers.
+
+What is here is the machine as data. Its mathematics is imported from the module it is about: `poses`, `inverse`,
+`forward`, `certificate`, `jacobian`, `joints`, `screws`, `linkage`, `grippers`, `motion`, `violations`, `singularity`,
+`singular_path`, `singular_slice`, `statics`, `mechanism`.
+"""
+
+from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.parameters import BUILT_IN, PipeClimber, load_pipe_climber
+
+__all__ = ["BUILT_IN", "Layout", "PipeClimber", "load_pipe_climber"]

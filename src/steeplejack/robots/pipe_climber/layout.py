@@ -1,0 +1,69 @@
+"""Where the limbs of the 3-RPR mechanism are hinged, and what limits them: the few numbers its mathematics needs.
+
+In the plane X-Z the base joints are ``B_i = (b_i, 0)`` and the platform joints ``P_i = (x + p_i cos a, w - p_i sin a)``
+with ``w = z - hz`` and ``p = (-L4, 0, -L2)``. The paper contradicts itself on the base: Table II, section 3 and Eq. 33
+("text") put ``b = (0, -L3, -L1)``; Eq. 5, 8 and 9 ("equations") put ``b = (0, -L1, -L3)``. Source: Ye et al., Robotica
+2024, section 3-4; the text is the default because it alone is symmetric under exchange of the platforms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.parameters import Convention, Neutral, PipeClimber
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Hinges and limits of a 3-RPR mechanism.
+
+    Attributes:
+        lengths: L1..L4 [m].
+        convention: Where B2 and B3 sit.
+        reach: Least and largest limb length [m].
+        joint_limit: Largest turn of a hinge from its neutral [rad].
+        neutral: What that limit counts from; "none" for no limit.
+        home: Pose (x, w, alpha) the neutral "home" refers to [m, m, rad].
+    """
+
+    lengths: tuple[float, float, float, float]
+    convention: Convention = "text"
+    reach: tuple[float, float] = (0.120, 0.240)
+    joint_limit: float = float(np.pi / 6)
+    neutral: Neutral = "none"
+    home: tuple[float, float, float] = (0.0, 0.160, 0.0)
+
+    def __post_init__(self) -> None:
+        """Refuse dimensions no mechanism has."""
+        if len(self.lengths) != 4 or not all(0.0 < length < np.inf for length in self.lengths):
+            raise InputError("dimensions", f"{list(self.lengths)} m", "four finite lengths L1 L2 L3 L4 above 0 m")
+        if not 0.0 < self.reach[0] < self.reach[1] < np.inf:
+            raise InputError("reach", f"{self.reach[0]:g} to {self.reach[1]:g} m", "0 < least < largest")
+        if not 0.0 < self.joint_limit < np.inf:
+            raise InputError("joint limit", f"{self.joint_limit:g} rad", "above 0 rad")
+
+    @classmethod
+    def of(cls, robot: PipeClimber) -> Layout:
+        """The mechanism of a machine."""
+        joints, linkage = robot.joints, robot.linkage
+        return cls(
+            linkage.lengths, linkage.convention, robot.cylinders.reach, joints.limit, joints.neutral, joints.home
+        )
+
+    @property
+    def base(self) -> Array:
+        """``b_i``: places of the base joints along X, (3,) [m]."""
+        l1, _l2, l3, _l4 = self.lengths
+        return np.array([0.0, -l3, -l1]) if self.convention == "text" else np.array([0.0, -l1, -l3])
+
+    @property
+    def platform(self) -> Array:
+        """``p_i``: places of the platform joints along its x axis, (3,) [m]."""
+        _l1, l2, _l3, l4 = self.lengths
+        return np.array([-l4, 0.0, -l2])

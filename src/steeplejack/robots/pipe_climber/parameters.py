@@ -1,0 +1,126 @@
+"""The pipe climber as data: one TOML file decoded once into frozen structs, SI, every value with its source."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from steeplejack.robots.sourced import NonNegative, Positive, Sourced, Vector, Window, load_machine
+
+Convention = Literal["text", "equations"]
+Neutral = Literal["none", "normal", "home"]
+
+BUILT_IN = "pipe-climber"
+
+
+class Linkage(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The 3-RPR parallel mechanism (Fig. 3, Table II)."""
+
+    lengths: tuple[Positive, Positive, Positive, Positive]
+    convention: Convention
+    claw_offset: float
+    half_width: NonNegative
+
+
+class Cylinders(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The three electric cylinders that drive the limbs."""
+
+    reach: Window
+    retracted: tuple[Positive, Positive, Positive]
+    stroke: Positive
+    speed: Positive
+    force: Positive
+    mass: Positive
+
+
+class Joints(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Range of the revolute joints at both ends of every limb."""
+
+    limit: Positive
+    neutral: Neutral
+    home: Vector
+
+
+class Rcm(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The remote-centre-of-motion parallelogram linkage (Fig. 4)."""
+
+    limit: Positive
+    crank: Positive
+    coupler: Positive
+
+
+class Gripper(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One of the two grippers, alike at both ends."""
+
+    force: Positive
+    jaws: int
+    friction: Positive
+    torque: Positive
+    close_time: NonNegative
+    pipe_diameter: Window
+
+
+class Body(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The robot as a whole."""
+
+    mass: Positive
+
+
+class Build(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Masses, sizes, stiffnesses and sensors that only physics asks for."""
+
+    gripper_mass: Positive
+    jaw_mass: Positive
+    plate_mass: Positive
+    limb_radius: Positive
+    jaw_length: Positive
+    jaw_width: Positive
+    pad_radius: Positive
+    jaw_clearance: Positive
+    screw_stiffness: Positive
+    screw_inertia: Positive
+    servo_torque: Positive
+    servo_stiffness: Positive
+    encoder_step: Positive
+    angle_step: Positive
+    slip_step: Positive
+
+
+class Gait(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What a climb asks for beyond the mechanism: how fast moves begin, and what an open gripper passes over."""
+
+    ramp: Positive
+    turn_speed: Positive
+    clearance: Positive
+    palm: Positive
+
+
+class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The whole machine: gripper, 3-RPR parallel mechanism, RCM linkage, gripper."""
+
+    name: str
+    linkage: Linkage
+    cylinders: Cylinders
+    joints: Joints
+    rcm: Rcm
+    gripper: Gripper
+    body: Body
+    gait: Gait
+    build: Build
+
+
+def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
+    """Read a pipe climber from its built-in name or a TOML file.
+
+    Args:
+        robot: ``pipe-climber`` or the path of a TOML file of the same form.
+
+    Returns:
+        The machine, frozen, SI.
+
+    Raises:
+        InputError: No such robot or file, or a field that cannot be used; the message names it.
+    """
+    return load_machine(robot, BUILT_IN, "steeplejack.robots.pipe_climber", PipeClimber)
