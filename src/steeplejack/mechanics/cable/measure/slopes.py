@@ -143,8 +143,19 @@ def _active(
     value, smooth = np.full(k, -np.inf), np.zeros(k, dtype=np.bool_)
     normal, tensions, inside = np.full((k, n), np.nan), np.full((k, m), np.nan), np.zeros((k, m), dtype=np.bool_)
     active_facet_each(
-        flat, rank(flat) == n, math.comb(m, n - 1), measure, loads, low, high, weights, value, normal, tensions,
-        inside, smooth,
+        flat,
+        rank(flat) == n,
+        math.comb(m, n - 1),
+        measure,
+        loads,
+        low,
+        high,
+        weights,
+        value,
+        normal,
+        tensions,
+        inside,
+        smooth,
     )
     with np.errstate(invalid="ignore"):
         foot = value[:, None] * weights**2 * normal - loads if measure == MARGIN else -loads
