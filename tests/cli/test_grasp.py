@@ -92,6 +92,13 @@ REFUSED = {
     "step of nothing": ({"method": "algorithm-1", "step_m": "0", "kappa": "0.01"}, ("--step-m", "above 0 m")),
     "step too fine": ({"method": "algorithm-1", "step_m": "1e-9", "kappa": "0.01"}, ("step", "nodes")),
     "a step the exact method has no use for": ({"step_m": "0.01"}, ("--step-m", "algorithm-1 only")),
+    "width beyond all cables": ({"half_width_m": "1e200"}, ("half_width of the grasp region", "at most 1e+06 times")),
+    "place beyond all cables": ({"x_m": "1e300"}, ("distance of the grasp region", "at most 1e+06 times")),
+    "place beyond all numbers": ({"x_m": "1.7e308"}, ("the grasp region",)),
+    "place beyond a grid": (
+        {"x_m": "1e300", "method": "algorithm-1", "step_m": "0.01", "kappa": "0.01"},
+        ("distance of the grasp region",),
+    ),
     "no stay": ({"stay": ""}, ("--stay",)),
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from steeplejack.design.anchors import Reconfiguration, eq28
@@ -17,6 +19,16 @@ def table_iii(reference, movable, width=0.05) -> Reconfiguration:
     directions[1:3, 1] = (anchors[2, 1] - anchors[1, 1]) / (anchors[2, 0] - anchors[1, 0])
     windows = np.where(np.isin(np.arange(1, 5), movable)[:, None], [-width, width], 0.0)
     return Reconfiguration(anchors, directions, table["attachments"], windows, eq28())
+
+
+def through_an_attachment(rng, problem, anchor, offset) -> Reconfiguration:
+    """The same robot where an anchor at an offset is its own attachment, so that its stay passes through it."""
+    phi = problem.poses[0, 2] + rng.normal(0.0, 0.1)
+    turn = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
+    where = problem.placed(np.full(4, offset))[anchor] - turn @ problem.attachments[anchor]
+    windows = problem.windows.copy()
+    windows[anchor] = offset - 0.1, offset + 0.15
+    return replace(problem, windows=windows, poses=[*where, phi])
 
 
 def random_problem(rng, poses=3) -> Reconfiguration:

@@ -72,3 +72,18 @@ def test_steps_that_make_no_grid_are_refused(reference, step, where):
     windows[1] = (0.01, 0.02)
     with pytest.raises(InputError, match=where):
         algorithm_2(replace(problem, windows=windows), step)
+
+
+@pytest.mark.parametrize(
+    ("step", "windows", "what"),
+    [
+        (1e-7, [0.5, 0.5, 0.5, 0.5], "of anchor 1"),
+        (1e-300, [0.5, 0.0, 0.0, 0.0], "of anchor 1"),
+        (5e-4, [0.5, 0.5, 0.5, 0.5], r"1.6e\+13 combinations at 51 poses"),
+        (5e-4, [0.0, 0.0, 0.5, 0.5], "pairs of anchors 3 and 4"),
+    ],
+)
+def test_a_grid_that_nobody_waits_for_is_refused(reference, step, windows, what):
+    problem = replace(table_iii(reference, ()), windows=np.outer(windows, [-1.0, 1.0]))
+    with pytest.raises(InputError, match=f"^step: .*{what}"):
+        algorithm_2(problem, step)

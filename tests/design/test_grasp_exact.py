@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from grasp_questions import GRASP, SQUARE, random_question, scattered, track_question
 from scipy.optimize import minimize
+from scipy.spatial import Delaunay
 
 from steeplejack.design import best_pose
-from steeplejack.design.grasps import Grasp, GraspQuestion, GraspRegion, best_grasp, grasp_on_grid
+from steeplejack.design.grasps import Grasp, GraspQuestion, GraspRegion, best_grasp, grasp_front, grasp_on_grid
 from steeplejack.errors import InfeasibleError, InputError
 
 MIRROR = np.array([-1.0, 1.0])
@@ -187,6 +188,38 @@ def test_a_larger_region_is_never_worse(rng):
         except InfeasibleError:
             continue
         assert best_grasp(replace(question, region=wider)).tension_factor >= before - 1e-8
+
+
+def test_no_position_outside_the_places_of_the_anchors_is_held(rng):
+    """The reason for which a region is trimmed to them."""
+    for _ in range(20):
+        question = random_question(rng)
+        where = rng.uniform(-3.0, 3.0, (4000, 2))
+        outside = Delaunay(question.places).find_simplex(where) < 0
+        assert not question.tension_factor(where[outside]).any()
+
+
+def test_a_region_of_any_size_has_the_same_best(reference):
+    """Trimming keeps every position that may be held, however large the region, and whether or not it is centred."""
+    question = track_question(reference)
+    best = reference["best"]["factor"]
+    for size in (1.0, 1e2, 1e4, 1e6):
+        for off in (0.0, 0.5 * size):
+            point = question.region.placed((off, 0.0))
+            region = replace(question.region, point=point, half_width=size, half_length=size)
+            assert best_grasp(replace(question, region=region)).tension_factor == pytest.approx(best, abs=1e-8)
+    front = grasp_front(question, [0.0, question.region.half_width, 1e3, 1e6])
+    assert front.tension_factor[1] == pytest.approx(GRASP["exact"]["factor"], abs=1e-8)
+    assert front.tension_factor[3] == front.tension_factor[2] >= front.tension_factor[1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"), [({"half_width": 1e200}, "half_width"), ({"half_length": 1e7}, "half_length"),
+                          ({"point": (1e300, 0.0)}, "distance")])  # fmt: skip
+def test_regions_beyond_all_cables_are_refused(reference, changes, name):
+    question = track_question(reference)
+    with pytest.raises(InputError, match=f"{name} of the grasp region"):
+        replace(question, region=replace(question.region, **changes))
 
 
 def test_the_pose_search_of_the_package_finds_no_more(reference):

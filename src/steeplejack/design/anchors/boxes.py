@@ -15,12 +15,65 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 EDGE = 0.1  # a cut stays this share of the interval away from its ends
+PIECES = 16  # most boxes that `separate` makes of one
+
+
+@njit(cache=True)
+def separate(roots: Array, along: Array, windows: Array, shortest: float, corners: Array) -> int:
+    """Boxes of the windows without the offsets at which a cable is too short to have a direction.
+
+    A stay that passes through an attachment has such offsets in between: on either side the direction is known, and
+    nothing there counts as held.
+
+    Args:
+        roots: ``BA_i`` at no offset, (4, 2) [m].
+        along: Change of ``BA_i`` with the offset, (4, 2) [1].
+        windows: Least and largest offset, (4, 2) [m].
+        shortest: Length from which a cable has a direction [m].
+        corners: Written, lower and upper corner of each box, (>= `PIECES`, 2, 4) [m].
+
+    Returns:
+        How many boxes, 0 where a cable has no direction anywhere in its window.
+    """
+    corners[0, 0], corners[0, 1] = windows[:, 0], windows[:, 1]
+    count = 1
+    for i in range(4):
+        low, high = windows[i]
+        before, after = _without_direction(roots[i], along[i], shortest)
+        if after < low or high < before or after < before:
+            continue
+        if low <= before and after <= high:
+            corners[count : 2 * count] = corners[:count]
+            corners[:count, 1, i], corners[count : 2 * count, 0, i] = before, after
+            count *= 2
+        elif low <= before:
+            corners[:count, 1, i] = before
+        elif after <= high:
+            corners[:count, 0, i] = after
+        else:
+            return 0
+    return count
+
+
+@njit(cache=True)
+def _without_direction(root: Array, along: Array, shortest: float) -> tuple[float, float]:
+    """Offsets between which one cable is too short, in the wrong order where there are none."""
+    square = along[0] ** 2 + along[1] ** 2
+    if not square > 0.0:
+        short = root[0] ** 2 + root[1] ** 2 < shortest**2
+        return (-math.inf, math.inf) if short else (math.inf, -math.inf)
+    miss = (along[0] * root[1] - along[1] * root[0]) ** 2 / square
+    if miss >= shortest**2:
+        return math.inf, -math.inf
+    middle = -(root[0] * along[0] + root[1] * along[1]) / square
+    half = math.sqrt((shortest**2 - miss) / square)
+    return middle - half, middle + half
 
 
 @njit(cache=True)
 def examine(
-    arms: Array, roots: Array, along: Array, unit: bool, enough: float, low: Array, high: Array, twist: Array,
-    trial: Array,
+    arms: Array, roots: Array, along: Array, unit: bool, shortest: float, enough: float, low: Array, high: Array,
+    twist: Array, trial: Array,
 ) -> tuple[float, int, float]:  # fmt: skip
     """Bound the tension factor over a box and look for good offsets in it.
 
@@ -29,6 +82,7 @@ def examine(
         roots: ``BA_i`` at no offset, (4, 2) [m].
         along: Change of ``BA_i`` with the offset, (4, 2) [1].
         unit: Whether columns are those of J, else of J~.
+        shortest: As for `columns` [m].
         enough: A bound up to this needs no improvement [1].
         low: Lower corner of the box, (4,) [m].
         high: Upper corner, (4,) [m].
@@ -39,8 +93,8 @@ def examine(
         The bound [1], and the cable and offset [m] at which to cut; the cable is -1 for a box without width.
     """
     left, right, shares = np.empty((4, 4)), np.empty((4, 4)), np.full((4, 2), 0.5)
-    columns(arms, roots, along, unit, low, 1.0, left)
-    columns(arms, roots, along, unit, high, -1.0, right)
+    columns(arms, roots, along, unit, shortest, low, 1.0, left)
+    columns(arms, roots, along, unit, shortest, high, -1.0, right)
     bound = upper_bound(twist, arms, left, right, unit)
     if bound > enough:
         own = np.empty(3)

@@ -29,6 +29,11 @@ from steeplejack.mechanics.cable.wrench.hyperplanes import TOLERANCE
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+MOST_NODES = 1_000_000  # [1] of one window
+MOST_PAIRS = 2_000_000  # [1] nodes of window 3 times those of window 4; eleven numbers are held for each
+MOST_EVALUATIONS = 2_000_000_000  # [1] combinations times poses, about half a minute
+FINEST = 1e-15  # [1] step over the farthest offset, below which multiples of the step are no distinct numbers
+
 
 @dataclass(frozen=True, eq=False)
 class GridOptimum:
@@ -59,15 +64,17 @@ def algorithm_2(problem: Reconfiguration, step: float, objective: Objective = "J
         The best combination at each pose; of equal ones the first in the order of the loops.
 
     Raises:
-        InputError: A step that is not positive, a window without a node, or an unknown objective.
+        InputError: A step that is not positive or makes too many combinations, a window without a node, or an unknown
+            objective.
     """
     check_objective(objective)
     axes = grid_axes(problem, step)
-    arms, roots, unit = sightlines(problem)
+    _check_effort(step, [len(axis) for axis in axes], len(problem.poses))
+    arms, roots, shortest, unit = sightlines(problem)
     count = len(arms)
     chosen, value = np.empty((count, 4), dtype=np.int64), np.empty(count)
     v1, v2, v3, v4 = (axis / unit for axis in axes)
-    search_grid(arms, roots, problem.directions, v1, v2, v3, v4, objective == "J", chosen, value)
+    search_grid(arms, roots, problem.directions, shortest, v1, v2, v3, v4, objective == "J", chosen, value)
     offsets = np.stack([axis[chosen[:, i]] for i, axis in enumerate(axes)], axis=-1)
     held = value > 0.0
     factors = np.where(held, tension_factors(problem, offsets), 0.0)
@@ -78,12 +85,16 @@ def grid_axes(problem: Reconfiguration, step: float) -> tuple[Array, Array, Arra
     """Grid offsets of each anchor: the integer multiples of the step inside its window [m].
 
     Raises:
-        InputError: A step that is not positive and finite, or a window without a multiple.
+        InputError: A step that is not positive and finite or is too fine, or a window without a multiple.
     """
     if not (step > 0.0 and math.isfinite(step)):
         raise InputError("step", f"{step:g} m", "positive")
     axes: list[Array] = []
     for index, (low, high) in enumerate(problem.windows):
+        size = max(abs(low), abs(high))
+        if not ((high - low) / step < MOST_NODES and step >= FINEST * size):
+            valid = f"a step with at most {MOST_NODES} multiples inside"
+            raise InputError("step", f"{step:g} m for {low:g} to {high:g} m of anchor {index + 1}", valid)
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
         if first > last:
             valid = "a step of which a multiple lies inside"
@@ -92,9 +103,20 @@ def grid_axes(problem: Reconfiguration, step: float) -> tuple[Array, Array, Arra
     return axes[0], axes[1], axes[2], axes[3]
 
 
+def _check_effort(step: float, nodes: list[int], poses: int) -> None:
+    """Refuse a grid that no memory holds or nobody waits for."""
+    evaluations, pairs = math.prod(nodes) * poses, nodes[2] * nodes[3]
+    if evaluations > MOST_EVALUATIONS:
+        what = f"{step:g} m makes {math.prod(nodes):.3g} combinations at {poses} poses"
+        raise InputError("step", what, f"a step that makes at most {MOST_EVALUATIONS:.0e} in all")
+    if pairs > MOST_PAIRS:
+        what = f"{step:g} m makes {pairs:.3g} pairs of anchors 3 and 4"
+        raise InputError("step", what, f"a step that makes at most {MOST_PAIRS:.0e}")
+
+
 @njit(cache=True)
 def search_grid(
-    arms: Array, roots: Array, along: Array, v1: Array, v2: Array, v3: Array, v4: Array, unit: bool,
+    arms: Array, roots: Array, along: Array, shortest: Array, v1: Array, v2: Array, v3: Array, v4: Array, unit: bool,
     chosen: Integers, values: Array,
 ) -> None:  # fmt: skip
     """Look at all combinations of four offsets at every pose; the kernel of `algorithm_2`.
@@ -103,6 +125,7 @@ def search_grid(
         arms: ``b_i`` at each pose, (k, 4, 2).
         roots: ``BA_i`` at no offset, (k, 4, 2).
         along: Change of ``BA_i`` with the offset, (4, 2) [1].
+        shortest: Length at each pose from which a cable has a direction, (k,).
         v1: Offsets of anchor 1.
         v2: Offsets of anchor 2.
         v3: Offsets of anchor 3.
@@ -114,10 +137,11 @@ def search_grid(
     c1, c2, c3, c4 = np.empty((len(v1), 4)), np.empty((len(v2), 4)), np.empty((len(v3), 4)), np.empty((len(v4), 4))
     pairs, ratios = np.empty((11, len(v3) * len(v4))), np.empty(len(v3) * len(v4))
     for k in range(len(arms)):
-        far = _columns(arms[k, 0], roots[k, 0], along[0], v1, unit, c1)
-        far *= _columns(arms[k, 1], roots[k, 1], along[1], v2, unit, c2)
-        far *= _columns(arms[k, 2], roots[k, 2], along[2], v3, unit, c3)
-        far *= _columns(arms[k, 3], roots[k, 3], along[3], v4, unit, c4)
+        least = shortest[k] if unit else 0.0
+        far = _columns(arms[k, 0], roots[k, 0], along[0], v1, least, unit, c1)
+        far *= _columns(arms[k, 1], roots[k, 1], along[1], v2, least, unit, c2)
+        far *= _columns(arms[k, 2], roots[k, 2], along[2], v3, least, unit, c3)
+        far *= _columns(arms[k, 3], roots[k, 3], along[3], v4, least, unit, c4)
         flat = (ROUNDING * np.abs(arms[k]).max()) ** 2 * far
         _pair(c3, c4, pairs)
         best, first, second, rest = 0.0, 0, 0, 0
@@ -132,8 +156,12 @@ def search_grid(
 
 
 @njit(cache=True)
-def _columns(arm: Array, root: Array, along: Array, offsets: Array, unit: bool, columns: Array) -> float:
+def _columns(
+    arm: Array, root: Array, along: Array, offsets: Array, least: float, unit: bool, columns: Array
+) -> float:  # fmt: skip
     """Un-normalised column of one cable at each offset, and the square of what its component is multiplied with.
+
+    The column of a cable shorter than ``least`` is zero, which leaves no combination with it in wrench closure.
 
     Returns:
         The largest squared length, or for J~ 1: what a component rounds with.
@@ -141,6 +169,8 @@ def _columns(arm: Array, root: Array, along: Array, offsets: Array, unit: bool, 
     far = 0.0
     for at in range(len(offsets)):
         x, y = root[0] + offsets[at] * along[0], root[1] + offsets[at] * along[1]
+        if x * x + y * y < least * least:
+            x = y = 0.0
         columns[at, 0], columns[at, 1], columns[at, 2] = x, y, arm[0] * y - arm[1] * x
         columns[at, 3] = x * x + y * y if unit else 1.0
         far = max(far, columns[at, 3])

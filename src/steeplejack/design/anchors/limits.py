@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,21 +20,35 @@ HALVINGS = 24
 
 @dataclass(frozen=True, eq=False)
 class BindingLimit:
-    """What keeps a pose out of wrench closure for all offsets in the windows.
+    """What keeps a pose out of wrench closure for all offsets in the windows; worked out when it is first asked for.
 
     Attributes:
         pose: Index of the pose.
-        cables: Cables (from 0) whose component of the null vector cannot have the sign the others need, anywhere in the
-            windows; empty where each could, but not all at once.
-        widening: How far one end of one window would have to move outward, all others staying, for closure to begin,
-            (4, 2), lower and upper end [m]; infinite where that does not help.
+        problem: That pose alone.
     """
 
     pose: int
-    cables: tuple[int, ...]
-    widening: Array
+    problem: Reconfiguration = field(repr=False)
 
-    @property
+    @cached_property
+    def cables(self) -> tuple[int, ...]:
+        """Cables (from 0) whose component of the null vector cannot have the sign the others need.
+
+        That is, anywhere in the windows; empty where each could, but not all at once.
+        """
+        return _pushing(self.problem)
+
+    @cached_property
+    def widening(self) -> Array:
+        """How far one end of one window would have to move outward, all others staying, for closure to begin.
+
+        (4, 2), lower and upper end [m]; infinite where that does not help.
+        """
+        far = FARTHEST * float(np.linalg.norm(self.problem.anchors - self.problem.poses[0, :2], axis=1).max())
+        ends = [[_least_widening(self.problem, anchor, end, far) for end in range(2)] for anchor in range(4)]
+        return np.array(ends)
+
+    @cached_property
     def text(self) -> str:
         """One line for a person."""
         names = ", ".join(str(cable + 1) for cable in self.cables)
@@ -59,14 +74,7 @@ def binding_limits(problem: Reconfiguration) -> tuple[BindingLimit, ...]:
     """
     status = optimal_anchors(problem, gap=0.1).status
     found = np.flatnonzero(status == AnchorStatus.INFEASIBLE)
-    return tuple(_limit(replace(problem, poses=problem.poses[k]), int(k)) for k in found)
-
-
-def _limit(problem: Reconfiguration, pose: int) -> BindingLimit:
-    """The entry of one pose."""
-    far = FARTHEST * float(np.linalg.norm(problem.anchors - problem.poses[0, :2], axis=1).max())
-    widening = np.array([[_least_widening(problem, anchor, end, far) for end in range(2)] for anchor in range(4)])
-    return BindingLimit(pose, _pushing(problem), widening)
+    return tuple(BindingLimit(int(k), replace(problem, poses=problem.poses[k])) for k in found)
 
 
 def _least_widening(problem: Reconfiguration, anchor: int, end: int, far: float) -> float:

@@ -14,8 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.design.anchors.boxes import examine, pop, push
-from steeplejack.design.anchors.exact import AnchorOptimum, sightlines
+from steeplejack.design.anchors.boxes import PIECES, examine, pop, push, separate
+from steeplejack.design.anchors.exact import AGREED, AnchorOptimum, check_budget, sightlines, tension_factors
 from steeplejack.design.anchors.problem import Reconfiguration
 from steeplejack.design.anchors.twists import columns, factor_of
 from steeplejack.errors import InputError
@@ -61,30 +61,49 @@ def nearest_anchors(
         Offsets, driving and its bound.
 
     Raises:
-        InputError: A loss or distance that is not positive, or starts that are not four finite offsets a pose.
+        InputError: An optimum of another problem or objective, a loss or distance that is not positive, no boxes, or
+            starts that are not four finite offsets a pose.
     """
     for name, number in (("loss", loss), ("within", within)):
         if not number > 0.0:
             raise InputError(name, f"{number:g}", "positive")
+    check_budget(most)
     count = len(problem.poses)
     starts = np.asarray(start, dtype=np.float64)
-    if starts.ndim > 2 or (starts.ndim and starts.shape[-1] != 4) or not np.isfinite(starts).all():
-        raise InputError("start", f"shape {starts.shape}", "four finite offsets, or four a pose")
-    arms, roots, unit = sightlines(problem)
+    if starts.shape not in ((), (4,), (1, 4), (count, 4)) or not np.isfinite(starts).all():
+        raise InputError("start", f"shape {starts.shape}", f"four finite offsets, or four for each of {count} poses")
+    _check_optimum(problem, optimum)
+    arms, roots, shortest, unit = sightlines(problem)
     offsets = optimum.offsets / unit
     driving, least = np.zeros(count), np.zeros(count)
     approach(
-        arms, roots, problem.directions, problem.windows / unit, np.array(np.broadcast_to(starts / unit, (count, 4))),
+        arms, roots, problem.directions, shortest, problem.windows / unit,
+        np.array(np.broadcast_to(starts / unit, (count, 4))),
         np.where(optimum.tension_factor > 0.0, np.maximum(optimum.tension_factor - loss, 0.0), np.inf),
         within / unit, int(most), offsets, driving, least,
     )  # fmt: skip
     return NearestAnchors(offsets * unit, driving * unit, least * unit)
 
 
+def _check_optimum(problem: Reconfiguration, optimum: AnchorOptimum) -> None:
+    """Refuse offsets that are not an optimum of this problem."""
+    count, valid = len(problem.poses), "that of `optimal_anchors` for the same problem, objective J"
+    if optimum.offsets.shape != (count, 4) or optimum.tension_factor.shape != (count,):
+        raise InputError("optimum", f"{len(optimum.offsets)} poses, the problem has {count}", valid)
+    inside = (optimum.offsets >= problem.windows[:, 0]) & (optimum.offsets <= problem.windows[:, 1])
+    if not inside.all():
+        pose = int(np.flatnonzero(~inside.all(axis=1))[0])
+        raise InputError("optimum", f"offsets outside the windows at pose {pose}", valid)
+    if not np.abs(optimum.value - optimum.tension_factor).max() <= AGREED:
+        raise InputError("optimum", "its value is not the tension factor", valid)
+    if not np.abs(tension_factors(problem, optimum.offsets) - optimum.tension_factor).max() <= AGREED:
+        raise InputError("optimum", "its offsets have other tension factors in this problem", valid)
+
+
 @njit(cache=True)
 def approach(
-    arms: Array, roots: Array, along: Array, windows: Array, starts: Array, floors: Array, within: float, most: int,
-    offsets: Array, driving: Array, least: Array,
+    arms: Array, roots: Array, along: Array, shortest: Array, windows: Array, starts: Array, floors: Array,
+    within: float, most: int, offsets: Array, driving: Array, least: Array,
 ) -> None:  # fmt: skip
     """Least driving that keeps a tension factor, pose by pose; the kernel of `nearest_anchors`.
 
@@ -92,6 +111,7 @@ def approach(
         arms: ``b_i`` at each pose, (k, 4, 2).
         roots: ``BA_i`` at no offset, (k, 4, 2).
         along: Change of ``BA_i`` with the offset, (4, 2) [1].
+        shortest: Length at each pose from which a cable has a direction, (k,).
         windows: Least and largest offset, (4, 2).
         starts: Offsets driven from, (k, 4).
         floors: Tension factor to keep, (k,) [1]; infinite where nothing is asked.
@@ -102,43 +122,43 @@ def approach(
         least: Written, (k,).
     """
     weights = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2)
-    corners, twists = np.empty((most + 2, 2, 4)), np.empty((most + 2, 3))
-    keys, heap = np.empty(most + 2), np.empty(most + 2, np.int64)
+    room = most + PIECES
+    corners, twists = np.empty((room, 2, 4)), np.empty((room, 3))
+    keys, heap = np.empty(room), np.empty(room, np.int64)
     for k in range(len(arms)):
         driving[k] = _cost(offsets[k], starts[k], weights)
         least[k] = driving[k]
         if np.isfinite(floors[k]):
             driving[k], least[k] = _near(
-                arms[k], roots[k], along, windows, starts[k], weights, floors[k], within, most, offsets[k], driving[k],
-                corners, twists, keys, heap,
+                arms[k], roots[k], along, shortest[k], windows, starts[k], weights, floors[k], within, most, offsets[k],
+                driving[k], corners, twists, keys, heap,
             )  # fmt: skip
 
 
 @njit(cache=True)
 def _near(
-    arms: Array, roots: Array, along: Array, windows: Array, start: Array, weights: Array, floor: float,
-    within: float, most: int, best: Array, cost: float, corners: Array, twists: Array, keys: Array, heap: Integers,
+    arms: Array, roots: Array, along: Array, shortest: float, windows: Array, start: Array, weights: Array,
+    floor: float, within: float, most: int, best: Array, cost: float, corners: Array, twists: Array, keys: Array,
+    heap: Integers,
 ) -> tuple[float, float]:  # fmt: skip
     """One pose: driving and its lower bound; ``best`` gets the offsets. Keys are bounds of the driving, negative."""
     trial, wrenches = np.empty(4), np.empty((4, 4))
-    corners[0, 0], corners[0, 1] = windows[:, 0], windows[:, 1]
-    twists[0] = 0.0
-    filled, waiting, looked = 1, 0, 0
-    one, two = 0, -1
+    filled = separate(roots, along, windows, shortest, corners)
+    twists[:filled] = 0.0
+    waiting, looked, fresh = 0, 0, np.arange(filled)
     while True:
-        for box in (one, two):
-            if box < 0:
-                continue
+        for at in range(len(fresh)):
+            box = int(fresh[at])
             looked += 1
             low, high = corners[box, 0], corners[box, 1]
-            bound, _, _ = examine(arms, roots, along, True, floor, low, high, twists[box], trial)
+            bound, _, _ = examine(arms, roots, along, True, shortest, floor, low, high, twists[box], trial)
             if bound < floor:
                 continue
             for turn in range(2):
                 if turn == 1:  # the box's nearest point, after the offsets its chord problem suggests
                     trial[:] = np.minimum(np.maximum(start, low), high)
                 price = _cost(trial, start, weights)
-                if price < cost and columns(arms, roots, along, True, trial, 0.0, wrenches):
+                if price < cost and columns(arms, roots, along, True, shortest, trial, 0.0, wrenches):
                     if factor_of(wrenches) >= floor:
                         cost, best[:] = price, trial
             keys[box] = -_cost(trial, start, weights)
@@ -147,6 +167,7 @@ def _near(
         if waiting == 0 or -keys[heap[0]] >= cost - within or looked + 2 > most:
             break
         one, two = pop(heap, waiting, keys), filled
+        fresh = np.array([one, two])
         waiting, filled = waiting - 1, filled + 1
         side = np.argmax(weights * (corners[one, 1] - corners[one, 0]))
         corners[two], twists[two] = corners[one], twists[one]

@@ -37,7 +37,9 @@ BLUNT = -0.999999  # cosine of a sector that is taken for half a turn: the stay 
 
 
 @njit(cache=True)
-def columns(arms: Array, roots: Array, along: Array, unit: bool, offsets: Array, inward: float, out: Array) -> bool:
+def columns(
+    arms: Array, roots: Array, along: Array, unit: bool, shortest: float, offsets: Array, inward: float, out: Array
+) -> bool:  # fmt: skip
     """Wrench of each cable at given offsets, a column of J^T or, where ``unit`` is False, of J~.
 
     Args:
@@ -45,12 +47,13 @@ def columns(arms: Array, roots: Array, along: Array, unit: bool, offsets: Array,
         roots: ``BA_i`` at no offset, (4, 2) [m].
         along: Change of ``BA_i`` with the offset, (4, 2) [1].
         unit: Whether columns are divided by the cable's length.
+        shortest: Length from which a cable has a direction that rounding leaves alone [m].
         offsets: (4,) [m].
         inward: Where a cable has no length, the sign of the offsets from which its direction is taken as a limit.
         out: Written, (4, 4): fx, fy, mz, and the factor of the column relative to ``BA_i``.
 
     Returns:
-        Whether every cable has a length.
+        Whether every cable has a direction: half of that length is room for the ends of boxes, which are rounded.
     """
     complete = True
     for i in range(4):
@@ -58,8 +61,9 @@ def columns(arms: Array, roots: Array, along: Array, unit: bool, offsets: Array,
         factor = 1.0
         if unit:
             length = math.sqrt(x * x + y * y)
+            complete &= length > 0.5 * shortest
             if not length > 0.0:
-                x, y, complete = inward * along[i, 0], inward * along[i, 1], False
+                x, y = inward * along[i, 0], inward * along[i, 1]
                 length = max(math.sqrt(x * x + y * y), TINY)
             factor = 1.0 / length
         out[i, 0], out[i, 1] = x * factor, y * factor

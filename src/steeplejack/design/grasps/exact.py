@@ -67,12 +67,13 @@ def best_grasp(question: GraspQuestion, gap: float = GAP) -> Grasp:
         InfeasibleError: No position of the region is in wrench closure.
     """
     _check(gap)
+    asked, question = question, question.trimmed()
     cofactors = cofactors_of(question)
     length, width = _sides(question, cofactors)
     whole = [(-length, length, -width, width)]
     best, upper, looked = _search(cofactors, whole, 0.0, gap)
     if np.isnan(best[0]):
-        raise question.no_grasp(_why(upper, looked))
+        raise asked.no_grasp(_why(upper, looked))
     finer, least, more = _search(cofactors, whole, float(best[2]), FINEST, MORE_BOXES)
     best = best if np.isnan(finer[0]) else finer
     nearest, yet_more = _nearest(cofactors, best, length)
@@ -100,12 +101,13 @@ def grasp_front(question: GraspQuestion, distances: ArrayLike, gap: float = GAP)
     asked = np.array(distances, dtype=np.float64)
     if asked.ndim != 1 or not asked.size or not np.isfinite(asked).all() or asked.min() < 0.0:
         raise InputError("distances", f"{asked.tolist()}", "at least one, finite, 0 m or more")
-    cofactors = cofactors_of(question.within(float(asked.max())))
+    question = question.within(float(asked.max())).trimmed()
+    cofactors = cofactors_of(question)
     length = question.region.half_length / cofactors.unit
     best, bound, looked, last = np.array([np.nan, np.nan, 0.0]), 0.0, 0, -1.0
     found = np.empty((asked.size, 4))
     for k in np.argsort(asked, kind="stable"):
-        outer = float(asked[k]) / cofactors.unit
+        outer = min(float(asked[k]), question.region.half_width) / cofactors.unit
         if outer > last:
             strips = [(-length, length, last, outer), (-length, length, -outer, -last)]
             boxes = strips if last >= 0.0 else [(-length, length, -outer, outer)]
@@ -174,7 +176,7 @@ def _nearest(cofactors: Cofactors, best: Array, length: float) -> tuple[Array, i
 def _why(upper: float, looked: int) -> str:
     """What rules a grasp out."""
     if upper <= LEAST_FACTOR:
-        return f"no position of the region is in wrench closure, proved over {looked} boxes"
+        return f"no position of the region is in wrench closure, proved over {looked} box{'' if looked == 1 else 'es'}"
     return (
         f"no position in wrench closure was found among {looked} boxes; a tension factor above {upper:.2g} is ruled out"
     )
