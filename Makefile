@@ -4,19 +4,28 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: inspect test bench docs clean
+.PHONY: inspect climb test test-long bench docs clean
 
 # Set up and run the main job: plan, simulate and report the inspection of a bay of a real-sized bridge.
 inspect: $(VENV)/ready
 	$(BIN)/steeplejack inspect ecs620-like --fan T1L-main --stays 5:9 --from-m 20 --to-m 53.3 --out out
 
-# What CI runs: style, types, layering, tests, the docs page.
+# Set up and run the pipe climber's main job: plan, simulate and report the climb of a vertical pipe.
+climb: $(VENV)/ready
+	$(BIN)/steeplejack climb straight-vertical --out out
+
+# What CI runs: style, types, layering, tests, the docs. Most of the tests' time is compiling kernels: files stay with one
+# worker so that few are compiled twice, and they are optimised less than what users run.
 test: $(VENV)/ready-dev
 	$(BIN)/ruff check src tests benchmarks examples
 	$(BIN)/ruff format --check src tests benchmarks examples
 	$(BIN)/basedpyright --pythonpath $(BIN)/python
-	$(BIN)/python -m pytest -n 2
+	NUMBA_OPT=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 	$(BIN)/mkdocs build --strict --quiet
+
+# Every test, the long ones too.
+test-long: $(VENV)/ready-dev
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "long or not long"
 
 bench: $(VENV)/ready-dev
 	$(BIN)/python benchmarks/planar_map.py

@@ -6,7 +6,18 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = ("wrench-closure.md", "workspaces.md", "cable-robots.md", "anchors-along-a-path.md", "mobility.md")
+PAGES = (
+    "wrench-closure.md",
+    "workspaces.md",
+    "cable-robots.md",
+    "anchors-along-a-path.md",
+    "anchors.md",
+    "grasps.md",
+    "interference.md",
+    "mobility.md",
+    "quality.md",
+    "stances.md",
+)
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -51,7 +51,33 @@ def test_platform(steeplejack: Run) -> None:
 
 def test_lengths_that_do_not_close_have_no_solutions(steeplejack: Run) -> None:
     outcome = steeplejack("platform", "--q-m", 0.1, 0.2, 0.9, "--json")
-    assert (outcome.code, outcome.answer) == (0, {"solutions": [], "certified": True})
+    assert (outcome.code, outcome.err.count("\n")) == (3, 1)
+    binding = "the limbs do not close: no pose has these lengths"
+    listed = [
+        {"limb": 1, "what": "length", "value_m": 0.1, "limit_m": 0.12},
+        {"limb": 3, "what": "length", "value_m": 0.9, "limit_m": 0.24},
+    ]
+    assert outcome.answer == {"solutions": [], "certified": True, "exceeded": listed, "binding": binding}
+    within = steeplejack("platform", "--q-m", 0.12, 0.18, 0.24, "--json")
+    assert (within.code, within.answer["exceeded"]) == (3, [])
+    assert within.err == binding + "\n"
+
+
+def test_lengths_out_of_reach_keep_their_poses_and_name_the_limit(steeplejack: Run) -> None:
+    lengths = steeplejack("legs", "--pose", 0, 0.119, 0, "--json").answer["q_m"]
+    outcome = steeplejack("platform", "--q-m", *lengths, "--json")
+    assert outcome.code == 3
+    assert len(outcome.answer["solutions"]) >= 2
+    assert [one["limb"] for one in outcome.answer["exceeded"]] == [3]
+    assert "binding" not in outcome.answer
+    assert "length of limb 3 is 0.119 m, least 0.12 m" in outcome.err
+
+
+def test_windows_of_the_cylinders_are_told_and_no_failure(steeplejack: Run) -> None:
+    outcome = steeplejack("legs", "--pose", 0, 0.140, 0, "--json")
+    assert (outcome.code, outcome.answer["exceeded"]) == (0, [])
+    assert outcome.answer["outside_stroke"][-1] == {"limb": 3, "value_m": pytest.approx(0.14), "limit_m": 0.15}
+    assert steeplejack("legs", "--pose", 0, 0.160, 0, "--json").answer["outside_stroke"] == []
 
 
 def test_motion(steeplejack: Run) -> None:
@@ -92,6 +118,12 @@ def test_singularity(steeplejack: Run, folder: Path) -> None:
         ("legs", "--pose", "nan", 0.16, 0),
         ("legs", "--pose", 0, 0.16, 0, "--dims", 0.1, 0.1, 0.0, 0.1),
         ("legs", "--pose", 0, 0.16, 0, "--dims", 0.1, "inf", 0.1, 0.1),
+        ("legs", "--pose", 0, 0.16, 0, "--dims", 1e200, 0.1, 0.1, 0.1),
+        ("legs", "--pose", 0, 0.16, 0, "--dims", 0.5, 0.5, 0.4, 0.4, "--joint-neutral", "home"),
+        ("legs", "--pose", 1e200, 0.16, 0),
+        ("platform", "--q-m", 1e200, 0.1, 0.1),
+        ("platform", "--q-m", 1e-200, 0.1, 0.1),
+        ("motion", "eq27", "--at", 5, "--hz-m", 1e200),
         ("legs", "--pose", 0, 0.16, 0, "--convention", "figure"),
         ("legs", "--pose", 0, 0.16, 0, "--robot", "nowhere.toml"),
         ("platform", "--q-m", -0.1, 0.1, 0.1),
@@ -122,11 +154,21 @@ def test_bad_input_is_one_line_and_exit_2(steeplejack: Run, arguments: tuple[obj
         ("claw_offset = 0.0 ", "claw_offset = nan ", "claw_offset"),
         ("home = [0.0, 0.160, 0.0]", "home = [0.0, nan, 0.0]", "home"),
         ("stroke = 0.050 ", "stroke = inf ", "stroke"),
+        ("jaws = 2", "jaws = 0", "jaws"),
+        ("retracted = [0.1677", "retracted = [0.2677", "retracted"),
+        ("retracted = [0.1677", "retracted = [0.0500", "retracted"),
+        ('neutral = "none"                        #', 'neutral = "home"\nhome = [0.0, 0.0, 0.0]\n#', "home"),
+        ('neutral = "none"                        #', 'neutral = "home"\nhome = [0.0, 9.0, 0.0]\n#', "home"),
+        ("home = [0.0, 0.160, 0.0]", "home = [0.0, 1e200, 0.0]", "home"),
+        ("reach = [0.120, 0.240]", "reach = [0.120, 1e200]", "reach"),
     ],
 )
 def test_robot_files_that_cannot_be(steeplejack: Run, folder: Path, old: str, new: str, named: str) -> None:
     assert old in ROBOT
-    (folder / "robot.toml").write_text(ROBOT.replace(old, new))
+    text = ROBOT.replace(old, new)
+    if "\nhome" in new:  # in place of the file's own
+        text = text.replace("home = [0.0, 0.160, 0.0]", "")
+    (folder / "robot.toml").write_text(text)
     outcome = steeplejack("motion", "eq27", "--at", 5, "--robot", "robot.toml")
     assert outcome.code == 2
     assert named in outcome.err
@@ -134,7 +176,8 @@ def test_robot_files_that_cannot_be(steeplejack: Run, folder: Path, old: str, ne
 
 
 def test_an_alpha_nobody_reaches_is_infeasible(steeplejack: Run, folder: Path) -> None:
-    (folder / "short.toml").write_text(ROBOT.replace("reach = [0.120, 0.240]", "reach = [0.120, 0.125]"))
+    short = ROBOT.replace("reach = [0.120, 0.240]", "reach = [0.120, 0.125]")
+    (folder / "short.toml").write_text(short.replace("[0.1677, 0.1677, 0.1500]", "[0.120, 0.120, 0.120]"))
     outcome = steeplejack("singularity", "--alpha-deg", 60, "--robot", "short.toml", "--json")
     assert outcome.code == 3
     assert "0.12 to 0.125 m" in outcome.answer["binding"]

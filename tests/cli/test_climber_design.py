@@ -67,7 +67,18 @@ def test_a_study_searches_the_whole_space_and_resumes(steeplejack: Run, folder: 
     again = steeplejack("dimensions", *RECTANGLE, *options)
     assert again.answer["best"] == first.answer["best"]
     assert written == {path: path.stat().st_mtime_ns for path in (folder / "study").glob("chunk-*.npy")}
-    assert steeplejack("dimensions", *RECTANGLE, "--scale", "sum", *options).code == 2
+    for change in (("--scale", "sum"), ("--step", 0.18)):
+        other = steeplejack("dimensions", *RECTANGLE, *options, *change)
+        assert other.code == 2
+        assert "another study" in other.err
+        assert other.err.count("\n") == 1
+
+
+def test_a_study_in_a_file_is_named(steeplejack: Run, folder: Path) -> None:
+    (folder / "file").write_text("")
+    outcome = steeplejack("dimensions", *RECTANGLE, "--step", 0.19, "--study", "file")
+    assert outcome.code == 2
+    assert outcome.err.startswith("--study: ")
 
 
 @pytest.mark.parametrize(
@@ -112,6 +123,10 @@ GRID = ("--alpha-deg", 0, "--step-m", 0.001)
         ("reach", "--alpha-deg", 0, "--step-m", -0.001),
         ("reach", *GRID, "--dims", 0.1, 0.1, -0.075, 0.075),
         ("reach", *GRID, "--dims", 0.1, 0.1, math.nan, 0.075),
+        ("reach", *GRID, "--dims", 1e200, 0.1, 0.1, 0.1),
+        ("transmission", *GRID, "--dims", 1e60, 0.1, 0.1, 0.1),
+        ("transmission", "--alpha-deg", 0, "--step-m", 1e-201, "--rectangle", 0, 1e-200, 0.1, 0.2),
+        ("transmission", *GRID, "--rectangle", 0, 1e200, 0.1, 0.2),
         ("reach", *GRID, "--joint-neutral", "zero"),
         ("reach", *GRID, "--robot", "no-such.toml"),
         ("transmission", *GRID, "--rectangle", 0.05, -0.05, 0.13, 0.2),

@@ -15,7 +15,10 @@ from steeplejack.planning import Leg, Mission, Request, Waypoint, write
 Run = Callable[..., Outcome]
 
 GRID = ("lost-cable", "table-iii", "--phi-deg", "50", "--step-m", "0.1", "--mass-kg", "30")
-WORST = {"cable", "settles", "max_drop_m", "at", "max_tension_n", "lowest_m", "stays_above"}
+WORST = {"cable", "settles", "max_drop_m", "at", "max_tension_n", "lowest_m", "stays_above"} | {
+    "unsettled",
+    "unsettled_tension_n",
+}
 
 
 def waypoint(travel: float, x: float, y: float, z: float, tension: tuple[float, float, float, float]) -> Waypoint:
@@ -62,6 +65,7 @@ def test_a_grid_answers_for_every_cable_as_single_poses_do(steeplejack: Run) -> 
     for one in answer["cables"]:
         assert set(one) == WORST and set(one["at"]) == {"x_m", "y_m", "phi_deg"}
         assert one["stays_above"] is (one["lowest_m"] >= 0.0)
+        assert one["unsettled"] == 0 and one["unsettled_tension_n"] is None
     worst = answer["cables"][2]
     place = (f"{worst['at'][name]:.17g}" for name in ("x_m", "y_m", "phi_deg"))
     single = steeplejack(

@@ -72,12 +72,15 @@ def test_ratings_are_those_of_maps(rectangle: Rectangle | None, moving: Any) -> 
 
 
 def test_the_design_space_holds_eq_33() -> None:
-    space = normalised(design_space(12))
+    space = normalised(design_space(0.95 / 11))
     assert len(space) == 12 * 12 * 13 // 2
     assert space.sum(axis=1) == pytest.approx(1.0)
     assert (space[:, 0] >= space[:, 2] - 1e-15).all()
     assert (space[:, 1] >= space[:, 3] - 1e-15).all()
     assert (space[:, 0] >= space[:, 1] - 1e-15).all()
+    for step in (0.19, 0.0076, 0.07):  # the plane of a space is the chart of the same step
+        whole = design_space(step)
+        assert (whole[whole[:, 1] == 1.0] == design_plane(step)).all()
     assert design_plane(0.3)[-1] == pytest.approx([1.0, 1.0, 1.0, 1.0])  # also where the step does not divide
     assert (design_plane(0.05, 0.4)[:, 3] <= 0.4).all()
 
@@ -111,7 +114,7 @@ def test_the_front_against_all_pairs() -> None:
     found = front(performance_chart(design_plane(0.1), Comparison(step=0.005)), 0.01)
     aims = np.stack((found.gti, found.area, found.distance, -found.size), axis=-1)
     beaten = (aims[:, None] <= aims).all(axis=-1) & (aims[:, None] < aims).any(axis=-1)
-    assert (found.best == ~beaten.any(axis=1)).all()
+    assert (found.best == ~beaten.any(axis=-1)).all()
     assert 0 < found.best.sum() < len(found.best)
 
 
@@ -134,5 +137,6 @@ def test_questions_that_are_none() -> None:
         Comparison(PRESCRIBED, ())
     with pytest.raises(InputError, match="step"):
         Comparison(None, step=0.1)
-    with pytest.raises(InputError, match="count"):
-        design_space(1)
+    for step in (0.001, 0.96, math.nan):
+        with pytest.raises(InputError, match="step"):
+            design_space(step)

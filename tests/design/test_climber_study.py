@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -18,12 +19,12 @@ from steeplejack.design.climber import study as module
 from steeplejack.errors import InputError
 
 # 16 chunks of at least 0.1 s on one core, so that a kill falls between two of them.
-STUDY = Study(Comparison(PRESCRIBED, alphas=tuple(np.linspace(-0.5, 0.5, 60).tolist()), step=0.002), 16)
+STUDY = Study(Comparison(PRESCRIBED, alphas=tuple(np.linspace(-0.5, 0.5, 60).tolist()), step=0.002), 0.95 / 15)
 PROGRAM = """
 import sys
 from steeplejack.design.climber import PRESCRIBED, Comparison, Study, run_study
 import numpy as np
-study = Study(Comparison(PRESCRIBED, alphas=tuple(np.linspace(-0.5, 0.5, 60).tolist()), step=0.002), 16)
+study = Study(Comparison(PRESCRIBED, alphas=tuple(np.linspace(-0.5, 0.5, 60).tolist()), step=0.002), 0.95 / 15)
 run_study(study, sys.argv[1])
 """
 
@@ -59,26 +60,36 @@ def test_killed_and_resumed(tmp_path: Path) -> None:
 
 
 def test_a_damaged_chunk_is_done_again(tmp_path: Path) -> None:
-    small = Study(Comparison(PRESCRIBED, step=0.01), 8)
+    small = Study(Comparison(PRESCRIBED, step=0.01), 0.95 / 7)
     whole = run_study(small, tmp_path)
     damaged = tmp_path / "chunk-00000.npy"
-    damaged.write_bytes(damaged.read_bytes()[:100])
-    assert (run_study(small, tmp_path).ratings.gti == whole.ratings.gti).all()
+    good = damaged.read_bytes()
+    archive = io.BytesIO()
+    np.savez(archive, gti=whole.ratings.gti)
+    words, single = io.BytesIO(), io.BytesIO()
+    np.save(words, np.full((len(whole.ratios), 4), "x"))
+    np.save(single, np.zeros((len(whole.ratios), 4), np.float32))
+    for bad in (good[:100], b"", archive.getvalue(), words.getvalue(), single.getvalue(), good + b"0", b"PK" + good):
+        damaged.write_bytes(bad)
+        with pytest.raises(InputError, match="chunks missing"):
+            read_study(tmp_path)
+        assert (run_study(small, tmp_path).ratings.gti == whole.ratings.gti).all()
+        assert damaged.read_bytes() == good
     run_study(small, tmp_path, progress=lambda done, of: pytest.fail("work") if done < of else None)
 
 
 def test_another_study_is_not_mixed_in(tmp_path: Path) -> None:
-    small = Study(Comparison(PRESCRIBED, step=0.01), 6)
+    small = Study(Comparison(PRESCRIBED, step=0.01), 0.95 / 5)
     run_study(small, tmp_path)
     with pytest.raises(InputError, match="another study"):
-        run_study(replace(small, count=7), tmp_path)
+        run_study(replace(small, ratio_step=0.18), tmp_path)
     with pytest.raises(InputError, match=r"study\.json"):
         read_study(tmp_path / "nothing")
 
 
 def test_workers_write_the_same(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
-    few = replace(STUDY, count=10)
+    few = replace(STUDY, ratio_step=0.95 / 9)
     with local_cluster(2) as client:
         chart = run_study(few, tmp_path / "cluster", client)
     alone = run_study(few, tmp_path / "alone")
@@ -96,6 +107,6 @@ def test_a_cluster_needs_workers_and_dask(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_chunks_are_jobs_of_a_tenth_of_a_second() -> None:
     million = Study(Comparison(PRESCRIBED, step=0.002))
-    assert len(module.designs_of(million.count)) > 1_000_000
+    assert len(module.designs_of(million.ratio_step)) > 1_000_000
     assert million.chunk * 1750 >= module.JOB
     assert million.chunks > 50

@@ -17,6 +17,8 @@ from steeplejack.robots.squad import Bay, Squad, load_squad
 from steeplejack.robots.squad.anchorage import facing
 from steeplejack.worksite import Bridge, load_worksite
 
+pytestmark = pytest.mark.long
+
 RULES = ChartRules(spacing=12.0, levels=2, driving=False)
 
 

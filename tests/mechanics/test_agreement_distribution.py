@@ -12,6 +12,8 @@ from verdicts import Verdicts, shortcomings, taken
 
 from steeplejack.mechanics.cable import METHODS, distribute
 
+pytestmark = pytest.mark.long
+
 WRONG = ("disagreements", "bad_tensions", "bad_proofs")
 
 

@@ -310,6 +310,13 @@ def test_methods_without_a_meaning_for_open_windows_say_so(name, rng):
     assert (answer.status == DistributionStatus.UNDEFINED).all()
 
 
+@pytest.mark.parametrize("bounds", [(-np.inf, np.inf), (1.0, np.inf), (-np.inf, 5.0), (-1e308, 1e308)])
+def test_a_box_without_a_middle_is_undefined_to_qp_and_the_advice_says_why(bounds, rng):
+    answer = distribute(*drawn(rng, 3, 4, 5)[:2], *bounds, "qp")
+    assert (answer.status == DistributionStatus.UNDEFINED).all()
+    assert "the middle of every window" in DistributionStatus.UNDEFINED.advice
+
+
 def test_feasible_and_not_found_never_happens_by_an_independent_program(rng):
     """Complete methods find tensions wherever HiGHS does, whatever margin they report themselves."""
     for n, m in SHAPES:

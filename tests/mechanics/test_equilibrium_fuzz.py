@@ -18,6 +18,8 @@ from steeplejack.mechanics.cable import (
 from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_mass_matrix
 from steeplejack.spatial import from_vector
 
+pytestmark = pytest.mark.long
+
 ROBOTS = 250  # of each dimension
 CLOSE = 1e-8  # [1] residual over the greatest force, and strain of inextensible cables, of an equilibrium
 

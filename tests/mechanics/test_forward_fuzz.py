@@ -9,6 +9,8 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import TrackingStatus, forward_kinematics, pulley_runs, track_planar, track_spatial
 from steeplejack.spatial import from_vector
 
+pytestmark = pytest.mark.long
+
 KINDS = ("plain", "plain", "pulleys", "coincident anchors", "one point", "one line", "unreachable", "nan", "zero")
 
 

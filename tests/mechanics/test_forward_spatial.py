@@ -18,6 +18,8 @@ from steeplejack.mechanics.cable import (
 from steeplejack.spatial import from_vector
 from steeplejack.spatial.rotation import to_vector
 
+pytestmark = pytest.mark.long
+
 CORNERS = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])
 ANCHORS = np.array([[4.0 * x, 3.0 * y, z] for z in (5.0, 1.0) for x, y in CORNERS])  # IPAnema 2
 UPPER, LOWER = ((0.65, 0.125, 0.25), (0.75, 0.1, 0.75))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hanging import hanging
-from scipy.optimize import minimize
+from scipy.optimize import linprog, minimize
 
+from steeplejack.design.lost_cable import closure_nodes, lost_cable_dataset, worst_cases
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
     LockedPlatform,
@@ -17,6 +20,7 @@ from steeplejack.mechanics.cable import (
     planar_lengths,
     planar_structure_matrix,
     settle,
+    spatial_structure_matrix,
 )
 
 WEIGHT = (0.0, -30.0 * 9.81)
@@ -142,6 +146,75 @@ def test_a_map_is_its_single_answers(machine, best):
     np.testing.assert_array_equal(one.position[:, 0], table.position[:1, 2])
 
 
+@pytest.mark.parametrize("nudge", [0.0, 1e-12, -1e-10, 1e-8, 1e-7])
+def test_what_the_survivors_hold_stays_whatever_the_rounding(machine, table, nudge):
+    """Balanced at the start with positive tensions, as a linear solve tells: at rest there, next to singular or not."""
+    nodes = closure_nodes(*table, np.deg2rad([44.0, 50.0, 56.0]), 0.06)
+    nodes = np.vstack((nodes, [[-0.33, 0.51, np.deg2rad(50.0)], [-0.03, 0.57, np.deg2rad(56.0)]]))
+    nodes[:, 2] += nudge
+    found = lost_cable_map(machine, nodes[:, :2], nodes[:, 2])
+    assert found.settled.all()
+    structure, held = planar_structure_matrix(*table, nodes), 0
+    for cable in range(4):
+        keep = [i for i in range(4) if i != cable]
+        balance = np.linalg.solve(
+            structure[..., keep], np.tile([[-WEIGHT[0]], [-WEIGHT[1]], [0.0]], (len(nodes), 1, 1))
+        )
+        pulled = (balance[..., 0] > 0.0).all(axis=-1)
+        held += np.count_nonzero(pulled)
+        assert np.abs(found.drop[pulled, cable]).max() < 1e-9
+        np.testing.assert_allclose(found.tensions[pulled, cable][:, keep], balance[pulled, :, 0], rtol=1e-6)
+        assert (found.status[pulled, cable] == Rest.STABLE).all()
+    assert held == len(nodes)
+
+
+def test_more_survivors_than_freedoms_hold_what_a_linear_program_says(rng):
+    """In space, eight inextensible cables: where the seven left can balance with positive tensions, nothing moves."""
+    held = 0
+    for _ in range(20):
+        anchors, attachments = rng.uniform(-1.0, 1.0, (8, 3)) * [4.0, 4.0, 1.0], rng.uniform(-0.5, 0.5, (8, 3))
+        platform = LockedPlatform.spatial(anchors + [0.0, 0.0, 3.0], attachments, 1.0, [0.0, 0.0, -300.0])
+        found = lost_cable_map(platform, np.zeros((1, 3)), np.eye(3)[None])
+        structure = spatial_structure_matrix(platform.anchors, attachments, np.zeros(3), np.eye(3))
+        for cable in range(8):
+            left = np.delete(structure, cable, axis=-1)
+            program = linprog(
+                [0.0] * 7 + [-1.0],  # the least tension
+                A_eq=np.column_stack((left, left.sum(axis=1))),
+                b_eq=[0.0, 0.0, 0.0, 0.0, 0.0, 300.0],
+                bounds=[(0.0, None)] * 7 + [(0.0, 1e5)],
+            )
+            if program.status == 0 and program.fun < -1e-6:
+                held += 1
+                assert found.settled[0, cable] and abs(found.drop[0, cable]) < 1e-9
+    assert held > 3
+
+
+def test_saddles_and_short_cables_are_not_held(table):
+    """Balance is not rest: a platform on top of its attachments turns over; nothing holds lengths that cannot meet."""
+    upright = LockedPlatform.planar(
+        [[0.0, 1.0], [0.0, 1.0]], [[0.0, -0.1], [0.0, -0.1]], [0.9, 0.9], (0.0, -1.0), centre=[0.0, 0.0], gyration=0.1
+    )
+    tipped = settle(upright, [0.0, 0.2], 0.0)
+    assert tipped.stable and abs(tipped.phi) == pytest.approx(np.pi, abs=1e-6)
+    short = LockedPlatform.planar(*table, 0.05, WEIGHT)
+    assert settle(short, [0.0, 0.4], 0.0).status is Rest.UNFINISHED
+
+
+def test_the_worst_case_counts_what_it_leaves_out(machine, best):
+    found = lost_cable_map(machine, np.tile(best[:2], (3, 1)), best[2] + np.array([0.0, 0.01, 0.02]), cables=[1])
+    status, tensions = found.status.copy(), found.tensions.copy()
+    status[1:], tensions[2], tensions[1, 0, 0] = Rest.UNFINISHED, np.nan, 9e9
+    told = lost_cable_dataset(
+        replace(found, status=status, tensions=tensions), np.tile(best[:2], (3, 1)), [1], [0.0, 1.0, 0.0], {}, {}
+    )
+    (worst,) = worst_cases(told)
+    assert (worst.settled, worst.unsettled, worst.unsettled_tension) == (1, 2, 9e9)
+    assert worst.tension == pytest.approx(found.tensions[0].max())
+    (worst,) = worst_cases(lost_cable_dataset(found, np.tile(best[:2], (3, 1)), [1], [0.0, 1.0, 0.0], {}, {}))
+    assert worst.unsettled == 0 and worst.unsettled_tension is None
+
+
 def test_elastic_cables_shorten_when_locked(table, best):
     """Unstressed lengths follow from the tensions before; a stiff elastic cable tends to the inextensible one."""
     held = np.array([150.0, 160.0, 170.0, 140.0])
@@ -227,6 +300,9 @@ def test_a_map_refuses_what_is_no_question(machine, best, options, words):
         ({"unstressed": "long"}, "unstressed"),
         ({"axial_stiffness": -1.0}, "axial_stiffness"),
         ({"weight": [0.0, np.inf]}, "forces"),
+        ({"weight": [0.0, -1e300]}, "forces"),
+        ({"weight": [0.0, -1e-300]}, "forces"),
+        ({"anchors": [[0.0, 1e200], [1.0, 0.0]]}, "anchors"),
         ({"moment": np.nan}, "moment"),
         ({"radii": 0.1}, "axes"),
         ({"gyration": "wide"}, "gyration"),

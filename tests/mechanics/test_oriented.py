@@ -25,6 +25,8 @@ from steeplejack.mechanics.cable.region.oriented import (
     pose_question,
 )
 
+pytestmark = pytest.mark.long
+
 LEANING = rotations(np.array([[0.1, -0.2, 0.3]]))[0]
 HALL = np.array([[2.5, 7.5], [1.0, 5.0], [1.0, 3.0]])
 ROOM = np.array([[-3.5, 3.5], [-2.5, 2.5], [0.5, 4.5]])

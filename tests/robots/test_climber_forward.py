@@ -182,6 +182,11 @@ def test_a_mechanism_of_similar_platforms_is_refused() -> None:
         certified_poses(Layout((0.0625, 0.125, 0.125, 0.25)), [0.1, 0.1, 0.1])
     with pytest.raises(InputError, match="three finite lengths"):
         certified_poses(layout(), [0.1, math.nan, 0.1])
+    rounded = Layout((0.1, 0.1, 0.2, 0.2 * (1.0 + 1e-10)))
+    for ask in (forward_kinematics, certified_poses):
+        with pytest.raises(InputError, match="unlike proportions"):
+            ask(rounded, [0.1, 0.1, 0.1])
+    assert forward_kinematics(Layout((0.1, 0.1, 0.2, 0.2 * (1.0 + 1e-7))), [0.1, 0.1, 0.1]).status.size == 1
 
 
 def test_the_kernel_never_claims_what_the_proof_denies(rng: np.random.Generator) -> None:

@@ -104,7 +104,23 @@ def test_a_freedom_that_is_missing_is_named() -> None:
     aside[1, 3] = 0.01
     with pytest.raises(InfeasibleError, match="no such travel"):
         freedoms_of(aside, 0.0)
-    with pytest.raises(InputError, match="rotation"):
-        freedoms_of(2.0 * np.eye(4), 0.0)
+
+
+@pytest.mark.parametrize("fixed", ENDS)
+def test_what_is_no_rigid_transform_is_refused(fixed: End) -> None:
+    larger, huge, mirrored, projective = np.eye(4), np.eye(4), np.diag([1.0, -1.0, 1.0, 1.0]), np.eye(4)
+    larger[:3, :3] *= 2.0
+    huge[0, 0] = 1e300
+    projective[3, 0] = 0.1
+    cases = [(larger, "orthonormal"), (huge, "orthonormal"), (mirrored, "mirror"), (projective, "last row")]
+    cases += [(np.diag([1.0, 1.0, 1.0, math.nan]), "finite"), (np.eye(3), "shape")]
+    for given, named in cases:
+        with pytest.raises(InputError, match=named):
+            freedoms_of(given, 0.0, fixed)
+    with pytest.raises(InputError, match="numbers"):
+        freedoms_of([[1.0], [2.0, 3.0]], 0.0, fixed)
+
+
+def test_freedoms_are_four() -> None:
     with pytest.raises(InputError, match="x, w, alpha, beta"):
         free_gripper([0.0, 0.16, 0.0], 0.0)

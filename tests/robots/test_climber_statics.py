@@ -74,3 +74,15 @@ def test_friction_for_hanging_2_kg() -> None:
 
 def test_a_torque_about_the_pipe_needs_friction_too() -> None:
     assert friction_needed(GRIPPER, 3.0, 0.16, 0.04) == pytest.approx(5.0 / 80.0)
+    assert friction_needed(GRIPPER, 3.0, 0.0, 0.04) == friction_needed(GRIPPER, 3.0)
+
+
+def test_loads_a_grip_cannot_be_asked_about() -> None:
+    with pytest.raises(InputError, match=r"radius: none with a torque of 5 N m"):
+        grip_margin(GRIPPER, 10.0, torque=5.0)
+    for radius in (0.0, -0.03, math.inf, math.nan):
+        with pytest.raises(InputError, match="radius"):
+            grip_margin(GRIPPER, 10.0, 5.0, radius)
+    for axial, torque in ((math.nan, 0.0), (math.inf, 0.0), (10.0, math.nan)):
+        with pytest.raises(InputError, match="load of the grip"):
+            friction_needed(GRIPPER, axial, torque, 0.03)

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from steeplejack.cli.climber_options import ClimberConvention, ClimberDims, ClimberRobot, JointNeutral, climber, pose_of
 from steeplejack.cli.terminal import INFEASIBLE, Json, emit, say, show, target, writing
 from steeplejack.errors import InputError
-from steeplejack.robots.pipe_climber.parameters import BUILT_IN
+from steeplejack.robots.pipe_climber.layout import LARGEST, LEAST
+from steeplejack.robots.pipe_climber.parameters import BUILT_IN, PipeClimber
+
+if TYPE_CHECKING:
+    from steeplejack.robots.pipe_climber.inverse import Excess
 
 Triple = tuple[float, float, float]
+
+OPEN = "the limbs do not close: no pose has these lengths"
 
 
 def legs(
@@ -24,17 +30,23 @@ def legs(
     joint_neutral: JointNeutral = None,
     json: Json = False,
 ) -> None:
-    """Inverse kinematics: lengths of the three limbs, and the limits they do not hold."""
+    """Inverse kinematics: lengths of the three limbs, and the limits they do not hold.
+
+    The limits are those of the mechanism as analysed. Where a limb leaves the window of its own cylinder in the robot
+    file, retracted to retracted + stroke, `outside_stroke` says so; it is no failure.
+    """
     from steeplejack.robots.pipe_climber.inverse import exceeded, limb_lengths
 
-    _, layout = climber(robot, convention, dims, joint_neutral)
+    machine, layout = climber(robot, convention, dims, joint_neutral)
     given = pose_of("--pose", pose)
-    beyond = exceeded(layout, given)
-    listed = [
-        {"limb": one.limb, "what": one.what, **_measured(one.value, one.limit, "m" if one.what == "length" else "rad")}
-        for one in beyond
-    ]
-    answer = {"q_m": limb_lengths(layout, given).tolist(), "exceeded": listed}
+    beyond, lengths = exceeded(layout, given), limb_lengths(layout, given).tolist()
+    answer = {
+        "q_m": lengths,
+        "exceeded": [_listed(one) for one in beyond],
+        "outside_stroke": [
+            {"limb": limb, "value_m": length, "limit_m": limit} for limb, length, limit in _off_stroke(machine, lengths)
+        ],
+    }
     emit(answer) if json else show(answer)
     if beyond:
         say("out of reach: " + "; ".join(map(str, beyond)))
@@ -48,22 +60,31 @@ def platform(
     dims: ClimberDims = None,
     json: Json = False,
 ) -> None:
-    """Forward kinematics: every real pose of three limb lengths, proved to be all; none if they do not close."""
+    """Forward kinematics: every real pose of three limb lengths, proved to be all, and lengths out of reach."""
     from steeplejack.robots.pipe_climber.certificate import certified_poses
+    from steeplejack.robots.pipe_climber.inverse import exceeded_lengths
 
     _, layout = climber(robot, convention, dims)
-    if not all(0.0 < length < math.inf for length in q_m):
-        raise InputError("--q-m", " ".join(f"{length:g}" for length in q_m), "three finite lengths above 0 m")
+    if not all(LEAST <= length <= LARGEST for length in q_m):
+        valid = f"three finite lengths of {LEAST:g} to {LARGEST:g} m"
+        raise InputError("--q-m", " ".join(f"{length:g}" for length in q_m), valid)
     solutions = [
         {"x_m": one.pose[0], "w_m": one.pose[1], "alpha_deg": math.degrees(one.pose[2]), "working_mode": one.mode}
         for one in certified_poses(layout, q_m)
     ]
+    beyond = exceeded_lengths(layout, q_m)
     if json:
-        emit({"solutions": solutions, "certified": True})
-        return
-    for one in solutions:
-        print(f"x {one['x_m']:.9g} m, w {one['w_m']:.9g} m, alpha {one['alpha_deg']:.9g} deg   {one['working_mode']}")
-    print(f"{len(solutions)} real solutions, proved")
+        answer = {"solutions": solutions, "certified": True, "exceeded": [_listed(one) for one in beyond]}
+        emit(answer if solutions else answer | {"binding": OPEN})
+    else:
+        for one in solutions:
+            place = f"x {one['x_m']:.9g} m, w {one['w_m']:.9g} m, alpha {one['alpha_deg']:.9g} deg"
+            print(f"{place}   {one['working_mode']}")
+        print(f"{len(solutions)} real solutions, proved")
+    if beyond or not solutions:
+        reasons = ["out of reach: " + "; ".join(map(str, beyond))] if beyond else []
+        say("; ".join(reasons if solutions else [OPEN, *reasons]))
+        raise typer.Exit(INFEASIBLE)
 
 
 def motion(
@@ -82,8 +103,8 @@ def motion(
 
     machine, layout = climber(robot, convention, dims, joint_neutral)
     offset = machine.linkage.claw_offset if hz_m is None else hz_m
-    if not math.isfinite(offset):
-        raise InputError("--hz-m", f"{offset:g} m", "a finite length")
+    if not abs(offset) <= LARGEST:
+        raise InputError("--hz-m", f"{offset:g} m", f"a finite length of up to {LARGEST:g} m")
     moved = load_motion(motion)
     if not 0.0 <= at <= moved.duration:
         raise InputError("--at", f"{at:g} s", f"within the motion, 0 to {moved.duration:g} s")
@@ -129,6 +150,24 @@ def singularity(
         emit({"x_of_w": found.curve.tolist(), "w_step_m": 1.0 / ROWS_PER_METRE, **answer})
     else:
         show(answer)
+
+
+def _listed(one: Excess) -> dict[str, Any]:
+    """A limit that is not held, as `exceeded` of an answer lists it."""
+    unit = "m" if one.what == "length" else "rad"
+    return {"limb": one.limb, "what": one.what, **_measured(one.value, one.limit, unit)}
+
+
+def _off_stroke(machine: PipeClimber, lengths: list[float]) -> list[tuple[int, float, float]]:
+    """Limbs that are shorter or longer than their own cylinders allow: limb, its length, the bound [m]."""
+    from steeplejack.robots.pipe_climber.inverse import ROUNDING
+
+    found: list[tuple[int, float, float]] = []
+    for limb, (length, retracted) in enumerate(zip(lengths, machine.cylinders.retracted, strict=True), 1):
+        extended = retracted + machine.cylinders.stroke
+        if not retracted * (1.0 - ROUNDING) <= length <= extended * (1.0 + ROUNDING):
+            found.append((limb, length, retracted if length < retracted else extended))
+    return found
 
 
 def _measured(value: float, limit: float, unit: str) -> dict[str, float]:

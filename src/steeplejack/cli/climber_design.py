@@ -127,11 +127,13 @@ def dimensions(
         rectangle=_rectangle(rectangle), step=_step(step_m), scale=scale, convention=layout.convention, moving=moving
     )
     designs = design_plane(_ratio(step))
-    for folder in (out, study):
+    for option, folder in (("--out", out), ("--study", study)):
         if folder is not None:
-            target(folder)
+            target(folder, option)
     if workers and study is None:
         raise InputError("--workers", f"{workers}", "with --study only")
+    if workers < 0:
+        raise InputError("--workers", f"{workers}", "0 or more")
     began = time.perf_counter()
     chart = performance_chart(designs, asked) if study is None else _study(asked, step, study, workers)
     seconds = time.perf_counter() - began
@@ -156,12 +158,14 @@ def dimensions(
 
 def _study(asked: Comparison, step: float, folder: Path, workers: int) -> Chart:
     """The chart of the whole design space, with a progress bar, on a cluster if there are workers."""
-    from steeplejack.design.climber import Study, local_cluster, ratio_axis, run_study
+    from steeplejack.design.climber import Study, claim_study, local_cluster, run_study
 
-    study = Study(asked, len(ratio_axis(step)))
+    study = Study(asked, step)
+    chunks = float(study.chunks)
+    claim_study(study, folder)  # before the bar, so that a refusal is all there is on stderr
     with ExitStack() as stack:
         client = stack.enter_context(local_cluster(workers)) if workers else None
-        advance: Callable[[float], None] = stack.enter_context(bar("designs", float(study.chunks)))
+        advance: Callable[[float], None] = stack.enter_context(bar("designs", chunks))
         return run_study(study, folder, client, lambda done, _all: advance(float(done)))
 
 

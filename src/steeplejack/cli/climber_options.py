@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from steeplejack.errors import InputError
-from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.layout import LARGEST, LEAST, Layout
 from steeplejack.robots.pipe_climber.parameters import Convention, Neutral, PipeClimber, load_pipe_climber
 
 Lengths = tuple[float, float, float, float]
@@ -35,23 +35,27 @@ def climber(
     """The machine and its hinges as the options say.
 
     Raises:
-        InputError: No such robot, or dimensions no mechanism has.
+        InputError: No such robot, dimensions no mechanism has, or a neutral "home" that they cannot take.
     """
     machine = load_pipe_climber(robot)
     layout = Layout.of(machine)
-    if dims is not None and not all(0.0 < length < math.inf for length in dims):
-        raise InputError("--dims", " ".join(f"{length:g}" for length in dims), "four finite lengths above 0 m")
+    if dims is not None and not all(LEAST <= length <= LARGEST for length in dims):
+        valid = f"four finite lengths of {LEAST:g} to {LARGEST:g} m"
+        raise InputError("--dims", " ".join(f"{length:g}" for length in dims), valid)
     changes = {"lengths": dims, "convention": convention, "neutral": neutral}
-    return machine, dataclasses.replace(layout, **{name: one for name, one in changes.items() if one is not None})
+    changed = dataclasses.replace(layout, **{name: one for name, one in changes.items() if one is not None})
+    changed.require_home()
+    return machine, changed
 
 
 def pose_of(option: str, pose: Pose) -> Pose:
     """X and W in metres and ALPHA in degrees as (x, w, alpha) [m, m, rad].
 
     Raises:
-        InputError: One of them is not finite.
+        InputError: One of them is not finite, or a place farther than any machine reaches.
     """
     x, w, degrees = pose
-    if not all(map(math.isfinite, pose)):
-        raise InputError(option, f"{x:g} {w:g} {degrees:g}", "X and W in metres and ALPHA in degrees, all finite")
+    if not (abs(x) <= LARGEST and abs(w) <= LARGEST and abs(degrees) <= LARGEST):
+        valid = f"X and W in metres and ALPHA in degrees, all finite and up to {LARGEST:g}"
+        raise InputError(option, f"{x:g} {w:g} {degrees:g}", valid)
     return x, w, math.radians(degrees)

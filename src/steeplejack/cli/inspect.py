@@ -197,15 +197,17 @@ def report(
 ) -> None:
     """Write the report again, from the log alone."""
     from steeplejack.report import read_log, write_report
+    from steeplejack.report.climb import is_climb, read_climb, write_climb_report
 
     if not log.is_file():
-        raise InputError(str(log), "no such file", "a log written by `steeplejack inspect`")
+        raise InputError(str(log), "no such file", "a log written by `steeplejack inspect` or `steeplejack climb`")
     target(out)
-    read_log(log)  # before anything is written
+    climbed = is_climb(log)
+    read_climb(log) if climbed else read_log(log)  # before anything is written
     out.mkdir(parents=True, exist_ok=True)
     path = out / "report.html"
     with bar("report", None), writing(path):
-        summary = msgspec.to_builtins(write_report(log, path))
+        summary = msgspec.to_builtins(write_climb_report(log, path) if climbed else write_report(log, path))
     if json:
         emit({**summary, "log": str(log), "report": str(path)})
     else:

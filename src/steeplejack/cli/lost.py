@@ -114,5 +114,5 @@ def _at_one_pose(worksite: str, pose: Pose, cable: int | None, mass_kg: float, r
     }
     emit(found) if json else show(found)
     if end.status not in (Rest.STABLE, Rest.NEUTRAL):
-        say(f"the platform does not settle: {end.status.advice}")
+        say(f"the platform does not settle, and the numbers are those at which the search stopped: {end.status.advice}")
         raise typer.Exit(INFEASIBLE)

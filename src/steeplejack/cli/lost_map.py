@@ -187,6 +187,8 @@ def _worst(one: WorstCase, names: list[dict[str, Any]]) -> dict[str, Any]:
         "max_tension_n": one.tension,
         "lowest_m": one.lowest,
         "stays_above": one.stays_above,
+        "unsettled": one.unsettled,
+        "unsettled_tension_n": one.unsettled_tension,
     }
 
 
@@ -200,16 +202,23 @@ def _show(found: dict[str, Any]) -> None:
             continue
         place = ", ".join(f"{value:.4g}" if isinstance(value, float) else f"{value}" for value in one["at"].values())
         print(
-            f"{one['cable']:<12}{one['max_drop_m']:>8.3f} m{one['max_tension_n']:>12.0f} N{one['lowest_m']:>8.3f} m"
+            f"{one['cable']:<12}{one['max_drop_m']:>8.3f} m{one['max_tension_n']:>12.6g} N{one['lowest_m']:>8.3f} m"
             f"{above:>13}  {place}"
         )
-    short = [one for one in found["cables"] if one["settles"] < found["poses"]]
-    for one in short:
-        print(f"cable {one['cable']}: no rest from {found['poses'] - one['settles']} poses")
+    for one in found["cables"]:
+        if one["unsettled"]:
+            print(_unsettled(one))
     print(f"{found['poses']} poses, {found['seconds']:.1f} s")
     for name in ("dataset", "figure"):
         if name in found:
             print(f"{name:<12}{found[name]}")
+
+
+def _unsettled(one: dict[str, Any]) -> str:
+    """What the table does not cover of a cable."""
+    reached = one["unsettled_tension_n"]
+    size = "" if reached is None else f"; the search stopped at up to {reached:.3g} N, which is no bound"
+    return f"cable {one['cable']}: no rest from {one['unsettled']} poses, which the table leaves out{size}"
 
 
 def _write(dataset: xr.Dataset, out: Path) -> dict[str, str]:

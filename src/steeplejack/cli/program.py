@@ -8,7 +8,19 @@ import sys
 
 import typer
 
-from steeplejack.cli import anchors, climber, climber_design, grasp, inspect, lost, mobility, plane, sites, tension_map
+from steeplejack.cli import (
+    anchors,
+    climb,
+    climber,
+    climber_design,
+    grasp,
+    inspect,
+    lost,
+    mobility,
+    plane,
+    sites,
+    tension_map,
+)
 from steeplejack.cli.terminal import BAD_INPUT, CLOSED_PIPE, ENDED_EARLY, INFEASIBLE, INTERRUPTED, Ended, emit, say
 from steeplejack.errors import InfeasibleError, SteeplejackError
 
@@ -35,6 +47,7 @@ COMMANDS = {
         "steeplejack lost-cable table-iii --pose -0.23074604 0.55283179 50 --cable 2 --mass-kg 30",
     ),
     "grip": (plane.grip, "steeplejack grip --radius-m 0.05 --inclination-deg 45 --palm-m 0.09 --sign +"),
+    "climb": (climb.climb, "steeplejack climb straight-vertical --out out"),
     "legs": (climber.legs, "steeplejack legs --pose 0.020 0.150 0"),
     "platform": (climber.platform, "steeplejack platform --q-m 0.159765453 0.177552809 0.151327460"),
     "motion": (climber.motion, "steeplejack motion eq27 --hz-m 0.1 --at 5"),

@@ -11,6 +11,7 @@ from steeplejack.planning import verdicts
 from steeplejack.robots.pipe_climber import load_pipe_climber
 from steeplejack.robots.squad import BUILT_IN, load_squad
 from steeplejack.worksite import list_worksites
+from steeplejack.worksite.pipe_builtin import list_pipes
 
 
 def check(worksite: Worksite, robot: Robot = BUILT_IN, json: Json = False) -> None:
@@ -47,7 +48,7 @@ def robots(json: Json = False) -> None:
 
 def worksites(json: Json = False) -> None:
     """List the built-in worksites with their sources."""
-    rows = list_worksites()
+    rows = (*list_worksites(), *list_pipes())
     if json:
         emit({"worksites": [{"name": r.name, "description": r.description, "source": r.source} for r in rows]})
     else:

@@ -120,13 +120,13 @@ def mass(option: str, value: float) -> float:
     return value
 
 
-def target(folder: Path) -> None:
+def target(folder: Path, option: str = "--out") -> None:
     """Refuse an output folder that is, or lies below, a file or that cannot be written to; creates nothing."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        raise InputError("--out", f"{there} is a file", "a folder, made where it does not exist yet")
+        raise InputError(option, f"{there} is a file", "a folder, made where it does not exist yet")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError("--out", f"{there} cannot be written to", "a folder you may write to")
+        raise InputError(option, f"{there} cannot be written to", "a folder you may write to")
 
 
 @contextmanager

@@ -31,25 +31,33 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class WorstCase:
-    """What the loss of one cable does at worst; numbers are over the poses from which the platform settles.
+    """What the loss of one cable does at worst.
+
+    Drop, tension and lowest corner are over the poses from which the platform settles. Where ``unsettled`` is not 0
+    they say nothing about the other poses, which may be worse.
 
     Attributes:
         cable: The cable lost, from 1.
         settled: Poses from which the platform comes to rest.
+        unsettled: The others.
         drop: How far the reference point sinks, at most [m]; None where it nowhere settles.
         at: Index of the pose of that drop; None where it nowhere settles.
         tension: Greatest of the cables that are left, at rest [N].
         lowest: Least height of a corner on the way [m].
         stays_above: Whether every corner stays above the floor at every pose; None where no floor is given.
+        unsettled_tension: Greatest tension at which the search stopped without rest, a sign of size and no bound; None
+            where it settles from everywhere, or stopped nowhere at a number [N].
     """
 
     cable: int
     settled: int
+    unsettled: int
     drop: float | None
     at: int | None
     tension: float | None
     lowest: float | None
     stays_above: bool | None
+    unsettled_tension: float | None
 
 
 def closure_nodes(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, step: float) -> Array:
@@ -102,7 +110,7 @@ def lost_cable_dataset(
     Returns:
         ``drop``, ``greatest_tension``, ``lowest`` and ``settled`` over (pose, cable), with a floor ``stays_above``; the
         ``tension`` of each surviving cable; ``settled_position`` and the ``sweep`` of all corners, least and greatest
-        coordinates. Not a number where the platform does not settle.
+        coordinates. Not a number where the platform does not settle; only there ``unsettled_tension`` is one.
     """
     import xarray as xr  # heavy, and only maps need it
 
@@ -117,6 +125,11 @@ def lost_cable_dataset(
             pair,
             _where(settled, lost.greatest_tension),
             _about("greatest tension of the cables left, at rest", "N"),
+        ),
+        "unsettled_tension": (
+            pair,
+            _where(~settled, lost.greatest_tension),
+            _about("greatest tension where the search stopped without rest, no bound", "N"),
         ),
         "lowest": (pair, lowest, _about("least height of a corner of the platform on the way", "m")),
         "settled": (pair, settled.astype(np.int8), _about("platform comes to rest", "1", **yes)),
@@ -173,12 +186,15 @@ def write_lost_cable(dataset: xr.Dataset, path: str | Path) -> None:
 def _worst(one: xr.Dataset) -> WorstCase:
     """The worst of one cable."""
     count, cable = int(one["settled"].sum()), int(one["cable"])
+    others = one.sizes["pose"] - count
+    stopped = float(one["unsettled_tension"].max())
+    unsettled = None if np.isnan(stopped) else stopped
     above = bool(one["stays_above"].all()) if "stays_above" in one else None
     if count == 0:
-        return WorstCase(cable, 0, None, None, None, None, above)
+        return WorstCase(cable, 0, others, None, None, None, None, above, unsettled)
     at = int(np.nanargmax(one["drop"].to_numpy()))
     tension, lowest = float(one["greatest_tension"].max()), float(one["lowest"].min())
-    return WorstCase(cable, count, float(one["drop"][at]), at, tension, lowest, above)
+    return WorstCase(cable, count, others, float(one["drop"][at]), at, tension, lowest, above, unsettled)
 
 
 def _where(settled: NDArray[np.bool_], values: Array) -> Array:

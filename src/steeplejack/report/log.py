@@ -124,15 +124,15 @@ def read_log(path: Path) -> Log:
     Raises:
         InputError: It cannot be read, is not an MCAP file, or lacks what a report needs.
     """
-    messages, complete = _messages(path)
+    messages, complete = messages_of(path)
     site, squad, mission, seed = (
-        _only(path, messages, topic, kind)
+        only(path, messages, topic, kind)
         for topic, kind in (("/worksite", Site), ("/robot", Squad), ("/mission", Mission), ("/seed", Seed))
     )
     assert isinstance(site, Site) and isinstance(squad, Squad)
     assert isinstance(mission, Mission) and isinstance(seed, Seed)
-    actual = _decoded(path, messages, "/robot/actual", Squad)
-    samples = _decoded(path, messages, "/state", State)
+    actual = decoded(path, messages, "/robot/actual", Squad)
+    samples = decoded(path, messages, "/state", State)
     if not samples:
         raise InputError(str(path), "no samples in /state", VALID)
     fan = Fan(mission.request.fan, tuple(stay.stay() for stay in site.stays))
@@ -145,13 +145,13 @@ def read_log(path: Path) -> Log:
         seed,
         Bay.of(fan, *mission.request.stays, mission.request.face, squad),
         States.of(samples),
-        tuple(_decoded(path, messages, "/event", Event)),
-        tuple(_decoded(path, messages, "/camera", Picture)),
+        tuple(decoded(path, messages, "/event", Event)),
+        tuple(decoded(path, messages, "/camera", Picture)),
         complete,
     )
 
 
-def _messages(path: Path) -> tuple[dict[str, list[bytes]], bool]:
+def messages_of(path: Path) -> tuple[dict[str, list[bytes]], bool]:
     """Messages of every topic, and whether the file is whole."""
     found: dict[str, list[bytes]] = {}
     try:
@@ -186,7 +186,8 @@ def _records(file: IO[bytes]) -> Iterator[tuple[str, bytes] | None]:
         return
 
 
-def _decoded(path: Path, messages: dict[str, list[bytes]], topic: str, kind: type[Kind]) -> list[Kind]:
+def decoded(path: Path, messages: dict[str, list[bytes]], topic: str, kind: type[Kind]) -> list[Kind]:
+    """Every message of a topic."""
     decoder = msgspec.json.Decoder(kind)
     try:
         return [decoder.decode(data) for data in messages.get(topic, [])]
@@ -194,8 +195,9 @@ def _decoded(path: Path, messages: dict[str, list[bytes]], topic: str, kind: typ
         raise InputError(f"{path}, {topic}", str(error).replace("\n", " "), VALID) from None
 
 
-def _only(path: Path, messages: dict[str, list[bytes]], topic: str, kind: type[Kind]) -> Kind:
-    found = _decoded(path, messages, topic, kind)
+def only(path: Path, messages: dict[str, list[bytes]], topic: str, kind: type[Kind]) -> Kind:
+    """The last message of a topic that has to be there."""
+    found = decoded(path, messages, topic, kind)
     if not found:
         raise InputError(str(path), f"no {topic}", VALID)
     return found[-1]

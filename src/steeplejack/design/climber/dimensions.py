@@ -84,7 +84,10 @@ def ratio_axis(step: float, least: float = LEAST) -> Array:
         raise InputError("step", f"{step:g}", f"a ratio of 0.001 to {1.0 - least:g}")
     count = math.floor((1.0 - least) / step + 1e-9)
     axis: Array = least + step * np.arange(count + 1, dtype=np.float64)
-    return axis if 1.0 - axis[-1] < 1e-9 else np.concatenate((axis, [1.0]))
+    if 1.0 - axis[-1] < 1e-9:
+        axis[-1] = 1.0  # rounding may put it above, where Eq. 33 rules it out
+        return axis
+    return np.concatenate((axis, [1.0]))
 
 
 def design_plane(step: float, k: float = 1.0) -> Array:
@@ -105,21 +108,22 @@ def design_plane(step: float, k: float = 1.0) -> Array:
     return design_grid([k], ratio_axis(step), ratio_axis(step))
 
 
-def design_space(count: int) -> Array:
-    """Designs of the whole parameter design space (Fig. 13).
+def design_space(step: float) -> Array:
+    """Designs of the whole parameter design space (Fig. 13); those of L2 = L1 are the `design_plane` of that step.
 
     Args:
-        count: Values of each ratio from 0.05 to 1.
+        step: Of the three ratios [1].
 
     Returns:
-        ``L_i / L1`` of the designs that hold Eq. 33, (count^2 (count + 1) / 2, 4).
+        ``L_i / L1`` of the designs that hold Eq. 33, (n, 4), with ``n = m^2 (m + 1) / 2`` for m values of a ratio.
 
     Raises:
-        InputError: A count that makes no space or one too large.
+        InputError: A step out of range, or one that makes too many designs.
     """
-    if not (count >= 2 and count * count * (count + 1) // 2 <= MOST_DESIGNS):
-        raise InputError("count", f"{count}", f"2 or more, and at most {MOST_DESIGNS} designs")
-    axis = np.linspace(LEAST, 1.0, count)
+    axis = ratio_axis(step)
+    designs = axis.size * axis.size * (axis.size + 1) // 2
+    if designs > MOST_DESIGNS:
+        raise InputError("step", f"{step:g}, {designs} designs", f"at most {MOST_DESIGNS} designs")
     return design_grid(axis, axis, axis)
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from steeplejack.design.climber.transmission import squares
 from steeplejack.robots.pipe_climber import Layout
 from steeplejack.robots.pipe_climber.inverse import hinge_angles
+from steeplejack.robots.pipe_climber.singularity import is_degenerate
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -72,10 +73,9 @@ def working_sign(layout: Layout) -> float:
     Returns:
         -1, 1, or NaN where K = 0: such a mechanism is singular wherever its platforms are parallel.
     """
-    b, p = layout.base, layout.platform
-    value = float(determinant(0.0, 1.0, 1.0, 0.0, b, p))
-    scale = float(max(abs(b).max(), abs(p).max())) ** 2
-    return math.nan if abs(value) <= 1e-14 * scale else math.copysign(1.0, value)
+    if is_degenerate(layout):
+        return math.nan
+    return math.copysign(1.0, determinant(0.0, 1.0, 1.0, 0.0, layout.base, layout.platform))
 
 
 @njit(cache=True, error_model="numpy")

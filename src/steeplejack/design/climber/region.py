@@ -13,6 +13,8 @@ from steeplejack.errors import InputError
 Array = NDArray[np.float64]
 
 MOST_CELLS = 20_000_000
+SHORTEST, FARTHEST = 1e-6, 1e6
+"""Least side and largest coordinate of a rectangle [m]."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,11 @@ class Rectangle:
             raise InputError("rectangle", given, "X0 X1 W0 W1 in metres, all finite")
         if not (self.x0 < self.x1 and 0.0 <= self.w0 < self.w1):
             raise InputError("rectangle", given, "X0 X1 W0 W1 in metres with X0 < X1 and 0 <= W0 < W1")
+        sides, far = (self.x1 - self.x0, self.w1 - self.w0), max(-self.x0, self.x1, self.w1)
+        if min(sides) < SHORTEST or far > FARTHEST:
+            raise InputError(
+                "rectangle", given, f"sides of {SHORTEST:g} m and more, coordinates of up to {FARTHEST:g} m"
+            )
 
     def cells(self, step: float) -> tuple[Array, Array]:
         """Centres of the cells that tile the rectangle, along x (m,) and w (n,) [m].

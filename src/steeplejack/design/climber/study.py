@@ -8,13 +8,14 @@ several machines the folder has to be shared between them.
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -39,11 +40,11 @@ class Study:
 
     Attributes:
         comparison: Region, scale and the rest.
-        count: Values of each ratio from 0.05 to 1; 126 make a million designs.
+        ratio_step: Of L2/L1, L3/L1 and L4/L1, from 0.05 to 1 [1]; 0.0076 makes a million designs.
     """
 
     comparison: Comparison
-    count: int = 126
+    ratio_step: float = 0.0076
 
     @property
     def chunk(self) -> int:
@@ -59,13 +60,13 @@ class Study:
     @property
     def chunks(self) -> int:
         """Chunks of the study."""
-        return -(-len(designs_of(self.count)) // self.chunk)
+        return -(-len(designs_of(self.ratio_step)) // self.chunk)
 
 
 @cache
-def designs_of(count: int) -> Array:
+def designs_of(ratio_step: float) -> Array:
     """`design_space`, made once in each process."""
-    return design_space(count)
+    return design_space(ratio_step)
 
 
 def run_study(
@@ -89,7 +90,7 @@ def run_study(
         InputError: A folder with another study in it.
     """
     place = Path(folder)
-    _claim(study, place)
+    claim_study(study, place)
     missing = [index for index in range(study.chunks) if _finished(study, place, index) is None]
     done = study.chunks - len(missing)
     report = progress or (lambda _done, _all: None)
@@ -113,7 +114,7 @@ def read_study(folder: str | Path) -> Chart:
     if len(whole) < len(parts):
         raise InputError(str(place), f"{len(parts) - len(whole)} of {len(parts)} chunks missing", "a finished study")
     gti, mean, least, area = np.concatenate(whole).T
-    return Chart(designs_of(study.count), Ratings(gti, mean, least, area), study.comparison)
+    return Chart(designs_of(study.ratio_step), Ratings(gti, mean, least, area), study.comparison)
 
 
 @contextmanager
@@ -139,11 +140,12 @@ def local_cluster(workers: int) -> Generator[Client]:
 def compute_chunk(study: Study, folder: str, index: int) -> int:
     """Rate one chunk and write it; returns its number."""
     first = index * study.chunk
-    ratings = rate(designs_of(study.count)[first : first + study.chunk], study.comparison)
+    ratings = rate(designs_of(study.ratio_step)[first : first + study.chunk], study.comparison)
     path = _path(Path(folder), index)
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     with part.open("wb") as file:
-        np.save(file, np.stack((ratings.gti, ratings.mean, ratings.least, ratings.area), axis=-1))
+        columns = np.stack((ratings.gti, ratings.mean, ratings.least, ratings.area), axis=-1)
+        np.save(file, np.ascontiguousarray(columns, dtype="<f8"))
         file.flush()
         os.fsync(file.fileno())
     part.replace(path)
@@ -173,8 +175,13 @@ def _on_cluster(study: Study, place: Path, missing: list[int], client: Client) -
         yield future.result()
 
 
-def _claim(study: Study, place: Path) -> None:
-    """Write the question of a new study, or see that the folder's is the same; drop what a kill left half written."""
+def claim_study(study: Study, folder: str | Path) -> None:
+    """Write the question of a new study, or see that the folder's is the same; drop what a kill left half written.
+
+    Raises:
+        InputError: A folder with another study in it.
+    """
+    place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
     if (place / QUESTION).exists():
         if _question(place) != study:
@@ -195,13 +202,23 @@ def _question(place: Path) -> Study:
 
 
 def _finished(study: Study, place: Path, index: int) -> Array | None:
-    """Ratings of a chunk, or None where it has not been finished."""
-    rows = min(study.chunk, len(designs_of(study.count)) - index * study.chunk)
+    """Ratings of a chunk, or None where it has not been finished, or the file is not one that `compute_chunk` wrote."""
+    rows = min(study.chunk, len(designs_of(study.ratio_step)) - index * study.chunk)
+    head = _header(rows)
     try:
-        values: Any = np.load(_path(place, index))
-    except (OSError, ValueError, EOFError):
+        written = _path(place, index).read_bytes()
+    except OSError:
         return None
-    return values if values.shape == (rows, 4) else None
+    if not written.startswith(head) or len(written) != len(head) + rows * 4 * 8:
+        return None
+    return np.frombuffer(written, dtype="<f8", offset=len(head)).reshape(rows, 4)
+
+
+def _header(rows: int) -> bytes:
+    """What an ``npy`` file of (rows, 4) little-endian float64 begins with."""
+    file = io.BytesIO()
+    np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (rows, 4)})
+    return file.getvalue()
 
 
 def _path(place: Path, index: int) -> Path:

@@ -100,7 +100,8 @@ _DISTRIBUTION = {
     DistributionStatus.INFEASIBLE: "no tensions inside the bounds hold the load; move the pose or the anchors, or "
     "widen the window",
     DistributionStatus.SINGULAR: _UNRESISTED,
-    DistributionStatus.UNDEFINED: "an input is no number, or a cable has no length; check pose, wrench and bounds",
+    DistributionStatus.UNDEFINED: "an input is no number, a cable has no length, or a bound is infinite that the "
+    "method needs (qp without a reference needs the middle of every window); check pose, wrench and bounds",
     DistributionStatus.MISSED: "tensions inside the bounds exist, but this method left them; use a complete one, such "
     "as qp",
 }

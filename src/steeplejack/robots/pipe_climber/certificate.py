@@ -19,6 +19,7 @@ from flint import acb, arb, ctx, fmpq, fmpq_poly
 from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.modes import Mode
+from steeplejack.robots.pipe_climber.singularity import is_degenerate
 
 PRECISION = 200
 """Bits of the balls; doubled where a root lies that close to an end."""
@@ -66,6 +67,8 @@ def certified_poses(layout: Layout, lengths: Sequence[float]) -> list[CertifiedP
     """
     if len(lengths) != 3 or not all(0.0 < length < math.inf for length in lengths):
         raise InputError("lengths", f"{[float(length) for length in lengths]} m", "three finite lengths above 0 m")
+    if is_degenerate(layout):
+        raise InputError("dimensions", f"{list(layout.lengths)} m", "joints in unlike proportions on base and platform")
     cubic = _cubic(layout, [_exact(length) for length in lengths])
     bits = PRECISION
     while (found := _roots(cubic.f, bits)) is None:
@@ -89,8 +92,6 @@ def _cubic(layout: Layout, lengths: list[fmpq]) -> _Cubic:
     b2, b3 = (_exact(-place) for place in layout.base[1:])
     l4, l2 = _exact(-layout.platform[0]), _exact(-layout.platform[2])
     k = b2 * (l2 - l4) + b3 * l4
-    if k == 0:
-        raise InputError("dimensions", f"{list(layout.lengths)} m", "joints in unlike proportions on base and platform")
     g1, g2 = lengths[0] ** 2 - l4**2, lengths[1] ** 2 - b2**2
     g3 = fmpq_poly([lengths[2] ** 2 - l2**2 - b3**2, 2 * b3 * l2])
     c = fmpq_poly([0, 1])

@@ -34,6 +34,7 @@ from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.modes import MODES, Mode
 from steeplejack.robots.pipe_climber.poses import Array, triples
+from steeplejack.robots.pipe_climber.singularity import is_degenerate
 
 UNDECIDABLE = 16.0 * 2.0**-52
 """Rounding of the cubic's maximum, in parts of its terms: below it the number of solutions is not known [1]."""
@@ -43,9 +44,6 @@ SMALL_SINE = 1e-3
 
 SETTLED = 2.0**-27
 """A Newton step this small is the last: convergence is quadratic, so what remains is rounding [1]."""
-
-DEGENERATE = 1e-9
-"""|K| in parts of its terms below which base and platform are similar and the mechanism is singular at home [1]."""
 
 
 class ForwardStatus(IntEnum):
@@ -118,7 +116,7 @@ def _scaled(layout: Layout) -> tuple[float, float, float, float, float]:
     """
     unit = max(layout.lengths)
     (_, b2, b3), (l4, _, l2) = -layout.base / unit, -layout.platform / unit
-    if abs(b2 * (l2 - l4) + b3 * l4) <= DEGENERATE * (b2 * (l2 + l4) + b3 * l4):
+    if is_degenerate(layout):
         valid = "joints in unlike proportions on base and platform, else every pose with alpha = 0 is singular"
         raise InputError("dimensions", f"{list(layout.lengths)} m", valid)
     return float(b2), float(b3), float(l2), float(l4), unit

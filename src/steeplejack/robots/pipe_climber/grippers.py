@@ -23,6 +23,9 @@ from steeplejack.robots.pipe_climber.poses import Array
 
 End = Literal["lower", "upper"]
 
+RIGID = 1e-6
+"""By how much a rotation may miss orthonormality, and a last row 0 0 0 1, and still be taken for rigid [1]."""
+
 
 def free_gripper(freedoms: ArrayLike, claw_offset: float, fixed: End = "lower") -> Array:
     """Pose of the free gripper in the frame of the fixed one.
@@ -61,13 +64,11 @@ def freedoms_of(transform: ArrayLike, claw_offset: float, fixed: End = "lower", 
         (x, w, alpha, beta), (4,) [m, m, rad, rad].
 
     Raises:
-        InputError: No homogeneous transform.
+        InputError: No homogeneous transform of a rigid body: not finite, a mirror image, a last row beside 0 0 0 1.
         InfeasibleError: A pose off the robot's four freedoms; it names the one that is missing.
     """
-    upper = np.asarray(transform, dtype=np.float64)
-    if upper.shape != (4, 4) or not np.allclose(upper[:3, :3] @ upper[:3, :3].T, np.eye(3), atol=1e-6):
-        raise InputError("transform", f"shape {upper.shape}", "(4, 4) with a rotation")
-    upper = upper if fixed == "lower" else _inverse(upper)
+    given = _rigid(transform)
+    upper = given if fixed == "lower" else _inverse(given)
     beta = math.atan2(-upper[0, 1], upper[1, 1])
     if abs(upper[2, 1]) > tolerance:
         raise InfeasibleError("pose of the free gripper", "its y axis leaves the plane across the pipe: no such turn")
@@ -112,6 +113,28 @@ def _fours(freedoms: ArrayLike) -> Array:
     given = np.asarray(freedoms, dtype=np.float64)
     if given.ndim == 0 or given.shape[-1] != 4:
         raise InputError("freedoms", f"shape {given.shape}", "(..., 4): x, w, alpha, beta")
+    return given
+
+
+def _rigid(transform: ArrayLike) -> Array:
+    """One homogeneous transform, (4, 4), or an InputError that says what is wrong with it."""
+    valid = "(4, 4) with a rotation, a place and the last row 0 0 0 1"
+    try:
+        given = np.asarray(transform, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError("transform", "not an array of numbers", valid) from None
+    if given.shape != (4, 4):
+        raise InputError("transform", f"shape {given.shape}", valid)
+    if not np.isfinite(given).all():
+        raise InputError("transform", "an entry that is not finite", valid)
+    if np.abs(given[3] - [0.0, 0.0, 0.0, 1.0]).max() > RIGID:
+        raise InputError("transform", f"last row {given[3].tolist()}", valid)
+    turn = given[:3, :3]
+    # Entries of a rotation are at most 1; larger ones might overflow in the product.
+    if np.abs(turn).max() > 1.0 + RIGID or np.abs(turn @ turn.T - np.eye(3)).max() > RIGID:
+        raise InputError("transform", "columns that are not orthonormal", valid)
+    if np.linalg.det(turn) < 0.0:
+        raise InputError("transform", "a mirror image", valid)
     return given
 
 

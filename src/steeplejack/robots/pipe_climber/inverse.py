@@ -114,13 +114,7 @@ def exceeded(layout: Layout, pose: ArrayLike) -> list[Excess]:
     Returns:
         One entry a limit, lengths first; empty if the pose can be taken.
     """
-    least, largest = layout.reach
-    found: list[Excess] = []
-    for limb, length in enumerate(limb_lengths(layout, pose).tolist(), 1):
-        if length < least * (1.0 - ROUNDING):
-            found.append(Excess(limb, "length", length, least))
-        elif length > largest * (1.0 + ROUNDING):
-            found.append(Excess(limb, "length", length, largest))
+    found = exceeded_lengths(layout, limb_lengths(layout, pose))
     if layout.neutral == "none":
         return found
     bound = layout.joint_limit
@@ -128,6 +122,18 @@ def exceeded(layout: Layout, pose: ArrayLike) -> list[Excess]:
         for what, turn in zip(("hinge at the base", "hinge at the platform"), ends, strict=True):
             if abs(turn) > bound * (1.0 + ROUNDING):
                 found.append(Excess(limb, what, turn, math.copysign(bound, turn)))
+    return found
+
+
+def exceeded_lengths(layout: Layout, lengths: ArrayLike) -> list[Excess]:
+    """Lengths of three limbs (3,) [m] that are outside the layout's reach, one entry each."""
+    least, largest = layout.reach
+    found: list[Excess] = []
+    for limb, length in enumerate(triples("lengths", lengths).tolist(), 1):
+        if length < least * (1.0 - ROUNDING):
+            found.append(Excess(limb, "length", length, least))
+        elif length > largest * (1.0 + ROUNDING):
+            found.append(Excess(limb, "length", length, largest))
     return found
 
 

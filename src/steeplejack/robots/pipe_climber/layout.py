@@ -8,6 +8,7 @@ with ``w = z - hz`` and ``p = (-L4, 0, -L2)``. The paper contradicts itself on t
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,9 @@ from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber.parameters import Convention, Neutral, PipeClimber
 
 Array = NDArray[np.float64]
+
+LEAST, LARGEST = 1e-9, 1e6
+"""Lengths a mechanism may have [m]; far beyond any machine, and their products keep clear of over- and underflow."""
 
 
 @dataclass(frozen=True)
@@ -41,20 +45,56 @@ class Layout:
 
     def __post_init__(self) -> None:
         """Refuse dimensions no mechanism has."""
-        if len(self.lengths) != 4 or not all(0.0 < length < np.inf for length in self.lengths):
-            raise InputError("dimensions", f"{list(self.lengths)} m", "four finite lengths L1 L2 L3 L4 above 0 m")
-        if not 0.0 < self.reach[0] < self.reach[1] < np.inf:
-            raise InputError("reach", f"{self.reach[0]:g} to {self.reach[1]:g} m", "0 < least < largest")
+        if len(self.lengths) != 4 or not all(LEAST <= length <= LARGEST for length in self.lengths):
+            valid = f"four finite lengths L1 L2 L3 L4 of {LEAST:g} to {LARGEST:g} m"
+            raise InputError("dimensions", f"{list(self.lengths)} m", valid)
+        if not LEAST <= self.reach[0] < self.reach[1] <= LARGEST:
+            valid = f"least < largest, both of {LEAST:g} to {LARGEST:g} m"
+            raise InputError("reach", f"{self.reach[0]:g} to {self.reach[1]:g} m", valid)
         if not 0.0 < self.joint_limit < np.inf:
             raise InputError("joint limit", f"{self.joint_limit:g} rad", "above 0 rad")
+        x, w, alpha = self.home
+        if not (abs(x) <= LARGEST and abs(w) <= LARGEST and math.isfinite(alpha)):
+            raise InputError("home", f"{list(self.home)}", f"a finite pose x, w, alpha, x and w up to {LARGEST:g} m")
+        if self.neutral == "home" and not all(length >= LEAST for length in self.home_lengths):
+            raise InputError("home", f"{list(self.home)}: a limb without length", "a pose whose hinges have angles")
 
     @classmethod
     def of(cls, robot: PipeClimber) -> Layout:
-        """The mechanism of a machine."""
+        """The mechanism of a machine.
+
+        Raises:
+            InputError: Dimensions no mechanism has, or a home pose it cannot take.
+        """
         joints, linkage = robot.joints, robot.linkage
-        return cls(
+        found = cls(
             linkage.lengths, linkage.convention, robot.cylinders.reach, joints.limit, joints.neutral, joints.home
         )
+        found.require_home()
+        return found
+
+    def require_home(self) -> None:
+        """Refuse a neutral "home" that the limbs cannot take.
+
+        A machine has to; a design that is compared with others need not, because its limit counts from there all the
+        same.
+
+        Raises:
+            InputError: The limb that is too short or too long there.
+        """
+        least, largest = self.reach
+        for limb, length in enumerate(self.home_lengths, 1):
+            if self.neutral == "home" and not least <= length <= largest:
+                what = f"{list(self.home)}: limb {limb} is {length:.6g} m long"
+                raise InputError("home", what, f"a pose with limbs of {least:g} to {largest:g} m")
+
+    @property
+    def home_lengths(self) -> tuple[float, float, float]:
+        """Lengths of the limbs at the home pose [m]."""
+        x, w, alpha = self.home
+        along_x = x + self.platform * math.cos(alpha) - self.base
+        first, second, third = np.hypot(along_x, w - self.platform * math.sin(alpha)).tolist()
+        return first, second, third
 
     @property
     def base(self) -> Array:

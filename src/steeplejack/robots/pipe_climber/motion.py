@@ -34,6 +34,10 @@ Coefficients = Annotated[tuple[float, ...], msgspec.Meta(min_length=1)]
 
 DURATION = 10.0
 """Of Eq. 27 [s]."""
+SHORTEST, LONGEST = 1e-3, 1e6
+"""Durations a motion may have [s]."""
+LARGEST = 1e6
+"""What each term of a polynomial may come to within the motion, in the file's unit: no machine, and no overflow."""
 
 
 class MotionFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -115,7 +119,7 @@ def load_motion(motion: str | Path) -> Motion:
     """A motion by name, ``eq27`` or ``eq27-printed``, or from a TOML file.
 
     Raises:
-        InputError: No such file, an unknown or missing key, a number that is not finite.
+        InputError: No such file, an unknown or missing key, a number that is not finite or of no machine.
     """
     if str(motion) in ("eq27", "eq27-printed"):
         return eq27() if str(motion) == "eq27" else eq27_printed()
@@ -128,9 +132,7 @@ def load_motion(motion: str | Path) -> Motion:
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         valid = "name, duration_s, x_m, z_m and, optional, alpha_deg, beta_deg, offset"
         raise InputError(str(motion), str(error).replace("\n", " "), valid) from None
-    for field in ("duration_s", "x_m", "z_m", "alpha_deg", "beta_deg"):
-        if not np.isfinite(getattr(given, field)).all():
-            raise InputError(str(motion), f"`{field}` is not finite", "finite numbers")
+    _require_sizes(str(motion), given)
     alpha, beta = _radians(*given.alpha_deg), _radians(*given.beta_deg)
     return Motion(given.name, given.duration_s, given.x_m, given.z_m, alpha, beta, given.offset)
 
@@ -181,6 +183,22 @@ def limb_states(layout: Layout, motion: Motion, times: ArrayLike, claw_offset: f
     rates = joint_rates(layout, state.pose, state.velocity)
     seconds = joint_accelerations(layout, state.pose, state.velocity, state.acceleration)
     return limb_lengths(layout, state.pose), rates[..., 1], seconds[..., 1]
+
+
+def _require_sizes(where: str, given: MotionFile) -> None:
+    """Refuse numbers that are not finite, and those so large that no polynomial of a machine has them."""
+    fields = ("x_m", "z_m", "alpha_deg", "beta_deg")
+    for field in ("duration_s", *fields):
+        if not np.isfinite(getattr(given, field)).all():
+            raise InputError(where, f"`{field}` is not finite", "finite numbers")
+    if not SHORTEST <= given.duration_s <= LONGEST:
+        raise InputError(where, f"`duration_s` is {given.duration_s:g} s", f"{SHORTEST:g} to {LONGEST:g} s")
+    for field in fields:
+        for power, one in enumerate(getattr(given, field)):
+            # In logarithms, because the power itself may overflow.
+            if one and math.log10(abs(one)) + power * math.log10(given.duration_s) > math.log10(LARGEST):
+                what = f"`{field}` has {one:g} t^{power}, with t up to {given.duration_s:g} s"
+                raise InputError(where, what, f"terms of at most {LARGEST:g} within the motion")
 
 
 def _with_derivatives(coefficients: tuple[float, ...], times: Array) -> Array:

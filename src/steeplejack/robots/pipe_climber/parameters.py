@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -34,6 +34,17 @@ class Cylinders(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     force: Positive
     mass: Positive
 
+    def __post_init__(self) -> None:
+        """Refuse a cylinder that has no length in common with what the mechanism uses."""
+        super().__post_init__()
+        least, largest = self.reach
+        for limb, shortest in enumerate(self.retracted, 1):
+            if shortest > largest or shortest + self.stroke < least:
+                raise ValueError(
+                    f"`retracted` of limb {limb} with its stroke, {shortest:g} to {shortest + self.stroke:g} m, "
+                    f"does not meet `reach`, {least:g} to {largest:g} m"
+                )
+
 
 class Joints(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Range of the revolute joints at both ends of every limb."""
@@ -55,7 +66,7 @@ class Gripper(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """One of the two grippers, alike at both ends."""
 
     force: Positive
-    jaws: int
+    jaws: Annotated[int, msgspec.Meta(ge=1)]
     friction: Positive
     torque: Positive
     close_time: NonNegative

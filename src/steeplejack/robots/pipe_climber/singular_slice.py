@@ -11,12 +11,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from steeplejack.errors import InfeasibleError, InputError
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.poses import Array
-from steeplejack.robots.pipe_climber.singularity import determinant, singular_x
+from steeplejack.robots.pipe_climber.singular_cut import cut, level_line, reachable_x
+from steeplejack.robots.pipe_climber.singularity import determinant, is_degenerate, singular_x
 
 ROWS_PER_METRE = 1000
 """Rows in w that the singular curve is given at: the integer millimetres [1/m]."""
@@ -30,11 +30,12 @@ class SingularSlice:
 
     Attributes:
         curve: Rows (w, x) of the surface at every millimetre of w of the reachable set, x where it is, inside the set
-            or not, (n, 2) [m]; empty at alpha = 0, where it is w = 0.
+            or not, (n, 2) [m]; empty at alpha = 0, where it is w = 0. For L1 = L3 or L2 = L4 the line w = -L4 sin a
+            besides, within the set.
         least: Least |det J| over the reachable set, 0 where the curve lies in it [m].
         least_at: (x, w) where the least was found [m].
         signs: Signs that det J takes over the set, -1, 1 or both.
-        crossings: How many separate stretches of the curve the rows find in the set.
+        crossings: How many separate stretches of the surface the rows find in the set, counted along w.
     """
 
     curve: Array
@@ -56,10 +57,13 @@ def singular_slice(layout: Layout, alpha: float) -> SingularSlice:
 
     Raises:
         InputError: An angle that is not finite.
-        InfeasibleError: No pose of that alpha within the reach.
+        InfeasibleError: No pose of that alpha within the reach, or a mechanism with K = 0.
     """
     if not math.isfinite(alpha):
         raise InputError("alpha", f"{math.degrees(alpha):g} deg", "a finite angle")
+    if is_degenerate(layout):
+        what = f"a singular surface of dimensions {list(layout.lengths)} m"
+        raise InfeasibleError(what, "joints in like proportions on base and platform, singular wherever alpha = 0")
     low, high = _heights(layout, alpha)
     heights = np.linspace(low, high, ROWS)
     poses = _nodes(layout, alpha, heights) if low < high else np.empty((0, 3))
@@ -69,42 +73,23 @@ def singular_slice(layout: Layout, alpha: float) -> SingularSlice:
     values = determinant(layout, poses)
     signs = tuple(sorted({int(one) for one in np.sign(values)} - {0}))
     best, place = float(np.abs(values).min()), poses[np.abs(values).argmin()]
+    found = cut(layout, alpha, heights)
+    singular, stretches = found.place, found.stretches
     step = (high - low) / (ROWS - 1)
-    for _ in range(ZOOMS):
+    for _ in range(ZOOMS if singular is None else 0):
         near = np.linspace(max(low, place[1] - step), min(high, place[1] + step), NODES)
         poses = _nodes(layout, alpha, near, (place[0], 8.0 * step))
         step *= 4.0 / NODES
         sizes = np.abs(determinant(layout, poses))
         if len(poses) and sizes.min() < best:
             best, place = float(sizes.min()), poses[sizes.argmin()]
-    numbers = np.arange(math.ceil(low * ROWS_PER_METRE), math.floor(high * ROWS_PER_METRE) + 1, dtype=np.float64)
-    rows = numbers / ROWS_PER_METRE
-    rows = rows[[bool(reachable_x(layout, alpha, w)) for w in rows.tolist()]]
-    x = singular_x(layout, rows, alpha)
-    curve = np.asarray(np.stack((rows, x), axis=-1)[np.isfinite(x)], dtype=np.float64)
-    inside = _curve_inside(layout, alpha, heights)
-    if inside.any():
-        w = heights[inside][0]
-        best, place = 0.0, np.array([singular_x(layout, w, alpha), w])
-    stretches = int(np.count_nonzero(np.diff(inside.astype(np.int8), prepend=0) == 1))
-    return SingularSlice(curve, best, (float(place[0]), float(place[1])), signs, stretches)
-
-
-def reachable_x(layout: Layout, alpha: float, w: float) -> list[tuple[float, float]]:
-    """Intervals of x that the actuators reach at one w and alpha, in order, at most four [m]."""
-    least, largest = layout.reach
-    centres = layout.base - layout.platform * math.cos(alpha)
-    heights = w - layout.platform * math.sin(alpha)
-    if np.abs(heights).max() > largest:
-        return []
-    outer = np.sqrt(largest**2 - heights**2)
-    pieces = [(float((centres - outer).max()), float((centres + outer).min()))]
-    for centre, height in zip(centres.tolist(), heights.tolist(), strict=True):
-        if abs(height) < least:
-            inner = math.sqrt(least**2 - height**2)
-            left, right = centre - inner, centre + inner
-            pieces = [part for low, high in pieces for part in ((low, min(high, left)), (max(low, right), high))]
-    return sorted({(low, high) for low, high in pieces if low <= high})
+        singular = cut(layout, alpha, near).place
+        if singular is not None:  # thinner than the rows are apart
+            stretches = 1
+            break
+    at = (float(place[0]), float(place[1])) if singular is None else singular
+    least = best if singular is None else 0.0
+    return SingularSlice(_curve(layout, alpha, low, high), least, at, signs, stretches)
 
 
 def _heights(layout: Layout, alpha: float) -> tuple[float, float]:
@@ -126,11 +111,17 @@ def _nodes(layout: Layout, alpha: float, heights: Array, about: tuple[float, flo
     return np.concatenate(rows) if rows else np.empty((0, 3))
 
 
-def _curve_inside(layout: Layout, alpha: float, heights: Array) -> NDArray[np.bool_]:
-    """On which rows the singular curve lies inside the reachable set."""
-    places = singular_x(layout, heights, alpha)
-    inside = [
-        any(low <= x <= high for low, high in reachable_x(layout, alpha, w))
-        for w, x in zip(heights.tolist(), places.tolist(), strict=True)
-    ]
-    return np.array(inside, dtype=np.bool_)
+def _curve(layout: Layout, alpha: float, low: float, high: float) -> Array:
+    """Rows (w, x) of the surface between two w, those of a line of constant w at every millimetre of x and its ends."""
+    numbers = np.arange(math.ceil(low * ROWS_PER_METRE), math.floor(high * ROWS_PER_METRE) + 1, dtype=np.float64)
+    rows = numbers / ROWS_PER_METRE
+    rows = rows[[bool(reachable_x(layout, alpha, w)) for w in rows.tolist()]]
+    x = singular_x(layout, rows, alpha)
+    parts = [np.stack((rows, x), axis=-1)[np.isfinite(x)]]
+    line = level_line(layout, alpha)
+    for left, right in reachable_x(layout, alpha, line) if line is not None else []:
+        inner = np.arange(math.floor(left * ROWS_PER_METRE) + 1, math.ceil(right * ROWS_PER_METRE)) / ROWS_PER_METRE
+        places = np.concatenate(([left], inner, [right]))
+        parts.append(np.stack((np.full(places.size, line), places), axis=-1))
+    curve = np.concatenate(parts)
+    return np.asarray(curve[np.lexsort((curve[:, 1], curve[:, 0]))], dtype=np.float64)

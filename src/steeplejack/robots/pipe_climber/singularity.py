@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.conic import conic_distance
 from steeplejack.robots.pipe_climber.inverse import limb_lengths, limb_vectors
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.poses import Array, triples
@@ -32,6 +33,13 @@ LINES = 1e-9
 
 PARALLEL = 1e-9
 """Largest sine between limbs that count as parallel [1]."""
+
+
+LEVEL = 1e-15
+"""|sin alpha| up to which the platforms are parallel: that of pi in double precision is 1.2e-16 [1]."""
+
+DEGENERATE = 1e-9
+"""|K| in parts of its terms up to which base and platform are similar: singular whenever they are parallel [1]."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,12 @@ class SingularCase:
     kind: Literal["concurrent", "parallel"]
     point: Array | None
     freedom: Array
+
+
+def is_degenerate(layout: Layout) -> bool:
+    """Whether K = 0: hinges in like proportions on base and platform, and det J = 0 at every pose with alpha = 0."""
+    (_, b2, b3), (l4, _, l2) = (-layout.base).tolist(), (-layout.platform).tolist()
+    return bool(abs(b2 * (l2 - l4) + b3 * l4) <= DEGENERATE * (b2 * (l2 + l4) + b3 * l4))
 
 
 def determinant(layout: Layout, poses: ArrayLike) -> Array:
@@ -112,7 +126,7 @@ def singular_x(layout: Layout, w: ArrayLike, alpha: ArrayLike) -> Array:
     arm = c.k * height + c.a * sine
     with np.errstate(divide="ignore", invalid="ignore"):
         x = -height * cosine / sine - c.b * (height + c.l4 * sine) / arm
-    return np.where(np.isfinite(x), x, np.nan)
+    return np.where(np.isfinite(x) & (np.abs(sine) > LEVEL), x, np.nan)
 
 
 def singular_case(layout: Layout, pose: ArrayLike) -> SingularCase:
@@ -154,11 +168,13 @@ def singularity_distance(layout: Layout, poses: ArrayLike) -> Array:
         poses: (..., 3) [m, m, rad].
 
     Returns:
-        Least distance in (x, w) to the surface at the pose's alpha, (...) [m].
+        Least distance in (x, w) to the surface at the pose's alpha, (...) [m]: at alpha = 0 or 180 degrees |w|, as all
+        limbs lie along X at w = 0, or 0 if the mechanism is degenerate.
     """
     given, c = triples("poses", poses), SurfaceConstants.of(layout)
     flat = given.reshape(-1, 3)
-    return np.array([_distance(c, *pose) for pose in flat.tolist()]).reshape(given.shape[:-1])
+    degenerate = is_degenerate(layout)
+    return np.array([_distance(c, degenerate, *pose) for pose in flat.tolist()]).reshape(given.shape[:-1])
 
 
 def singularity_turn(layout: Layout, poses: ArrayLike) -> Array:
@@ -176,24 +192,20 @@ def singularity_turn(layout: Layout, poses: ArrayLike) -> Array:
     return np.array([_turn(c, *pose) for pose in flat.tolist()]).reshape(given.shape[:-1])
 
 
-def _distance(c: SurfaceConstants, x0: float, w0: float, alpha: float) -> float:
-    """Distance in the plane to the curve x(w): stationary points are the roots of a quartic in w."""
-    if not (math.isfinite(x0) and math.isfinite(w0) and math.isfinite(alpha)):
+def _distance(c: SurfaceConstants, degenerate: bool, x: float, w: float, alpha: float) -> float:
+    """Distance in the plane to the conic det J = 0: ``K cos^2(a/2)`` and ``-K sin^2(a/2)`` are its curvatures."""
+    if not (math.isfinite(x) and math.isfinite(w) and math.isfinite(alpha)):
         return math.nan
     cosine, sine = math.cos(alpha), math.sin(alpha)
-    if abs(c.a - c.k * c.l4) <= LINES * (c.a + abs(c.k) * c.l4):
-        # (w + L4 s) (K (x s + w c) + B s) = 0
-        slope = c.k * (x0 * sine + w0 * cosine) + c.b * sine
-        return min(abs(w0 + c.l4 * sine), abs(slope / c.k))
-    arm = np.polynomial.Polynomial([c.a * sine, c.k])
-    height = np.polynomial.Polynomial([0.0, 1.0])
-    across = -cosine * height * arm - c.b * sine * (height + c.l4 * sine) - x0 * sine * arm
-    # With x - x0 = across / (s arm): d/dw of (x - x0)^2 + (w - w0)^2, times s^2 arm^3.
-    quartic = across * (across.deriv() * arm - c.k * across) + sine**2 * (height - w0) * arm**3
-    feet = np.real(quartic.roots())
-    with np.errstate(divide="ignore", invalid="ignore"):
-        away = np.hypot(across(feet) / (sine * arm(feet)), feet - w0) if sine != 0.0 else np.array([abs(w0)])
-    return float(np.nanmin(away))
+    if abs(sine) <= LEVEL:
+        return 0.0 if degenerate else abs(w)
+    normal, arm = x * sine + w * cosine, c.k * w + c.a * sine
+    value = normal * arm + c.b * sine * (w + c.l4 * sine)
+    by_x, by_w = sine * arm, cosine * arm + c.k * normal + c.b * sine
+    along, across = math.cos(0.5 * alpha), math.sin(0.5 * alpha)
+    slopes = (across * by_x + along * by_w, along * by_x - across * by_w)
+    centre = c.b * sine**2 * (c.l4 - c.a / c.k) if c.k != 0.0 else math.nan
+    return conic_distance(value, slopes, (c.k * along**2, -c.k * across**2), centre)
 
 
 def _turn(c: SurfaceConstants, x: float, w: float, alpha: float) -> float:

@@ -90,7 +90,7 @@ def largest_load(
     return Load(size, limb, still + size[..., None] * each)
 
 
-def friction_needed(gripper: Gripper, axial: float, torque: float = 0.0, radius: float = math.inf) -> float:
+def friction_needed(gripper: Gripper, axial: float, torque: float = 0.0, radius: float | None = None) -> float:
     """Least coefficient of friction with which a gripper holds a load on a pipe.
 
     Every jaw presses with its force and resists along the pipe and around it together: ``mu >= sqrt(F^2 + (T/r)^2) /
@@ -100,24 +100,37 @@ def friction_needed(gripper: Gripper, axial: float, torque: float = 0.0, radius:
         gripper: Jaws and their force.
         axial: Force along the pipe [N].
         torque: About the pipe [N m].
-        radius: Of the pipe [m].
+        radius: Of the pipe, which a torque needs [m].
 
     Returns:
         Coefficient [1].
+
+    Raises:
+        InputError: A load that is not finite, a radius that is not above 0, a torque without a radius.
     """
-    return math.hypot(axial, torque / radius) / (gripper.jaws * gripper.force)
+    if not (math.isfinite(axial) and math.isfinite(torque)):
+        raise InputError("load of the grip", f"{axial:g} N, {torque:g} N m", "a finite force and a finite torque")
+    if radius is None and torque != 0.0:
+        raise InputError("radius", f"none with a torque of {torque:g} N m", "the radius of the pipe")
+    if radius is not None and not 0.0 < radius < math.inf:
+        raise InputError("radius", f"{radius:g} m", "a finite length above 0 m")
+    around = 0.0 if radius is None else torque / radius
+    return math.hypot(axial, around) / (gripper.jaws * gripper.force)
 
 
-def grip_margin(gripper: Gripper, axial: float, torque: float = 0.0, radius: float = math.inf) -> float:
+def grip_margin(gripper: Gripper, axial: float, torque: float = 0.0, radius: float | None = None) -> float:
     """How far the grip is from slipping: 1 - needed / available friction; negative where it slips.
 
     Args:
         gripper: Jaws, their force and their friction.
         axial: Force along the pipe [N].
         torque: About the pipe [N m].
-        radius: Of the pipe [m].
+        radius: Of the pipe, which a torque needs [m].
 
     Returns:
         Margin [1].
+
+    Raises:
+        InputError: As `friction_needed`.
     """
     return 1.0 - friction_needed(gripper, axial, torque, radius) / gripper.friction

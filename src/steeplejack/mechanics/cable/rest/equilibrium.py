@@ -17,14 +17,16 @@ Policy at degeneracies. Without load, a start from which no cable is ever taut, 
 rounding of their lengths, is ``LOOSE``. A rest with a direction that meets no stiffness (below 1e-9 of load over size)
 is ``NEUTRAL``: the pose is one of a family, or its stability is decided by higher orders. ``UNFINISHED`` are a constant
 moment with nothing to hold it, which turns for ever, inextensible cables so short that no pose has them all, whose
-tensions grow without bound, an attachment that runs into its pulley, where a cable has no course, and some rests next
-to a singular pose, where tensions are tens of times the load. ``UNDEFINED`` starts, and falls that end in a pulley,
-have no stiffness: not a number. A cable within 1e-9 of the greatest force of no tension counts as slack.
+tensions grow without bound, and an attachment that runs into its pulley, where a cable has no course. Next to a
+singular pose, where tensions are many times the load and multipliers converge slowly, the descent is completed by
+Newton's method on the lengths and the balance together (`hold`), which is also asked at the start whether the platform
+rests there already. ``UNDEFINED`` starts, and falls that end in a pulley, have no stiffness: not a number. A cable
+within 1e-9 of the greatest force of no tension counts as slack.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -33,7 +35,7 @@ from numpy.typing import ArrayLike, NDArray
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.arguments import numbers, vectors
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
-from steeplejack.mechanics.cable.rest import potential
+from steeplejack.mechanics.cable.rest import hold, potential
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
 from steeplejack.mechanics.cable.rest.modes import cross_matrix, natural_modes
 from steeplejack.mechanics.cable.rest.stiffness import turn_about_z
@@ -64,8 +66,8 @@ _ADVICE = {
     Rest.STABLE: "at rest; every small motion meets a restoring force",
     Rest.NEUTRAL: "at rest, but some motion meets no restoring force: the pose is one of a family",
     Rest.LOOSE: "nothing pulls on the platform: no load and no taut cable",
-    Rest.UNFINISHED: "no rest: inextensible cables too short to meet, a moment nothing holds, an attachment that runs "
-    "into its pulley, or a near singularity",
+    Rest.UNFINISHED: "no rest found: inextensible cables too short to meet, a moment nothing holds, an attachment "
+    "that runs into its pulley, or a singularity",
     Rest.UNDEFINED: "the start has no energy: a number is not finite or an attachment is inside its pulley",
 }
 
@@ -242,9 +244,15 @@ def fall_of(
     """Descend from a place of the reference point; ``spring`` 0 takes a cable away, ``record`` poses are kept."""
     centre = platform.points[0]
     place, turn = position + rotation @ centre, rotation.copy()
-    around = np.zeros((1, 3)) if corners is None else np.vstack((np.zeros((1, 3)), corners))
+    around = (np.zeros((1, 3)) if corners is None else np.vstack((np.zeros((1, 3)), corners))) - centre
     tensions, box = np.zeros(len(unstressed)), np.empty((2, 2, 3))
     kept_positions, kept_rotations = np.empty((record, 3)), np.empty((record, 3, 3))
+    start = Fall(potential.UNFINISHED, 0, np.nan, 0.0, place, turn, tensions, box, kept_positions, kept_rotations)
+    held = _held(platform, unstressed, spring, start, 0.0)
+    if held is not None:
+        box[:] = _swept(place, turn, around)
+        kept_positions[:1], kept_rotations[:1] = place, turn
+        return replace(held, path_positions=kept_positions[:1], path_rotations=kept_rotations[:1])
     status, steps, count, residual, turned = potential.descend(
         platform.anchors,
         platform.axes,
@@ -259,7 +267,7 @@ def fall_of(
         platform.freedoms,
         platform.gyration,
         stride,
-        around - centre,
+        around,
         place,
         turn,
         tensions,
@@ -268,9 +276,62 @@ def fall_of(
         kept_positions,
         kept_rotations,
     )
-    return Fall(
-        status, steps, residual, turned, place, turn, tensions, box, kept_positions[:count], kept_rotations[:count]
+    path = kept_positions[:count], kept_rotations[:count]
+    fall = Fall(status, steps, residual, turned, place, turn, tensions, box, *path)
+    held = _held(platform, unstressed, spring, fall, stride) if status == potential.UNFINISHED else None
+    if held is None:
+        return fall
+    end = _swept(held.position, held.rotation, around)
+    box[:, 0], box[:, 1] = np.minimum(box[:, 0], end[:, 0]), np.maximum(box[:, 1], end[:, 1])
+    if 0 < count < record:
+        kept_positions[count], kept_rotations[count] = held.position, held.rotation
+        path = kept_positions[: count + 1], kept_rotations[: count + 1]
+    return replace(held, path_positions=path[0], path_rotations=path[1])
+
+
+def _held(platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fall, reach: float) -> Fall | None:
+    """The rest next to a fall's end that taut inextensible cables hold, None where there is none (`hold`)."""
+    rigid, centre = np.isinf(platform.axial_stiffness), platform.points[0]
+    if not rigid.any():
+        return None
+    place, turn, tensions = fall.position.copy(), fall.rotation.copy(), fall.tensions.copy()
+    residual, turned = hold.settled_by(
+        platform.anchors,
+        platform.axes,
+        platform.radii,
+        platform.attachments - centre,
+        unstressed,
+        spring,
+        rigid,
+        platform.forces,
+        platform.points - centre,
+        platform.moment,
+        platform.freedoms,
+        platform.gyration,
+        reach,
+        place,
+        turn,
+        fall.turned,
+        tensions,
     )
+    if np.isnan(residual):
+        return None
+    return replace(
+        fall,
+        status=potential.SETTLED,
+        residual=residual,
+        turned=turned,
+        position=place,
+        rotation=turn,
+        tensions=tensions,
+    )
+
+
+def _swept(position: Array, rotation: Array, points: Array) -> Array:
+    """Boxes (2, 2, 3) of one pose: of the reference point, which is the first, and of the other points."""
+    ends = position + points @ rotation.T
+    rest = ends[1:] if len(ends) > 1 else np.array([[np.inf] * 3, [-np.inf] * 3])
+    return np.array([[ends[0], ends[0]], [rest.min(axis=0), rest.max(axis=0)]])
 
 
 def rest_of(platform: LockedPlatform, unstressed: Array, spring: Array, fall: Fall) -> Equilibrium:

@@ -18,6 +18,10 @@ from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axe
 
 Array = NDArray[np.float64]
 
+GREATEST = 1e100
+"""Of coordinates [m], forces [N] and moments [N m]: squares of larger ones, of which energies are made, overflow. Those
+of forces below its inverse vanish."""
+
 
 @dataclass(frozen=True, eq=False)
 class LockedPlatform:
@@ -170,6 +174,8 @@ def _made(
     swivels = unit_axes(axes, m)
     if swivels.shape != (m, 3) or not np.isfinite(swivels).all():
         raise InputError("axes", "not usable", f"({m}, {d}) finite and none of length zero")
+    if loads.any() and np.abs(loads).max() * GREATEST < 1.0:
+        raise InputError("forces", f"{np.abs(loads).max():g} N", f"none, or at least {1.0 / GREATEST:g} N")
     turning = _number("moment", moment, "N m")
     spread = local - places[0]
     radius = (
@@ -187,8 +193,8 @@ def _made(
 def _number(where: str, value: float, unit: str) -> float:
     """One finite number."""
     given = numbers(where, value)
-    if given.ndim or not np.isfinite(given):
-        raise InputError(where, f"{value}", f"a finite number of {unit}")
+    if given.ndim or not abs(given) <= GREATEST:
+        raise InputError(where, f"{value}", f"a finite number of {unit}, at most {GREATEST:g}")
     return float(given)
 
 
@@ -197,6 +203,8 @@ def _points(where: str, values: ArrayLike | list[ArrayLike], d: int) -> Array:
     given = numbers(where, cast(ArrayLike, values))
     if given.ndim != 2 or given.shape[1] != d or not np.isfinite(given).all():
         raise InputError(where, f"shape {given.shape}", f"(k, {d}), all finite")
+    if np.abs(given).max(initial=0.0) > GREATEST:
+        raise InputError(where, f"{np.abs(given).max():g}", f"at most {GREATEST:g}")
     return in_space(given)
 
 

@@ -93,7 +93,8 @@ def distribute(
         structure: (..., n, m), m >= n; rows in any units.
         wrench: External wrench on the platform, same rows, (..., n).
         lower: Least tensions, finite, (..., m) or a scalar [N].
-        upper: Greatest tensions, (..., m) or a scalar [N]; may be inf where the method takes open windows.
+        upper: Greatest tensions, (..., m) or a scalar [N]; may be inf where the method takes open windows. A question
+            with other infinite bounds, or without a middle that the method needs, is ``UNDEFINED``.
         method: One of `METHODS`.
         reference: Tensions to stay near to, (..., m) or a scalar [N]; for ``qp`` (the middle of the box if None) and
             ``p-norm`` (zero if None).
@@ -126,7 +127,7 @@ def distribute(
         ("weights", costs.shape, 1),
     )
     if method == "qp" and reference is None:
-        wanted = low + 0.5 * (high - low)
+        wanted = _middle(low, high)
     count = math.prod(shape)
     tensions, interval, certificate = (np.full((count, size), np.nan) for size in (m, 2, n))
     margin, status = np.empty(count), np.empty(count, np.int64)
@@ -196,6 +197,13 @@ def certificate_gap(
     reached = np.sum(size * endless, axis=-1) > TOLERANCE * np.sum(size * ~endless, axis=-1)
     least = (power * np.where(endless, 0.0, bound)).sum(axis=-1) + np.sum(z * load, axis=-1)
     return np.where(reached, -np.inf, least)
+
+
+def _middle(low: Array, high: Array) -> Array:
+    """Middle of the box (..., m) [N]; not a number where a window is open."""
+    with np.errstate(over="ignore"):
+        width = np.where(np.isfinite(low) & np.isfinite(high), high, np.nan) - low
+    return low + 0.5 * width
 
 
 def _check_redundancy(method: str, record: MethodRecord, n: int, m: int) -> None:

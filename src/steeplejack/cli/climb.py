@@ -1,0 +1,88 @@
+"""The pipe climber's main job: plan a climb, run it in physics, log and report it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import msgspec
+import typer
+
+from steeplejack.cli.climber_options import ClimberRobot
+from steeplejack.cli.terminal import Ended, Json, Out, bar, emit, say, stoppable, target, writing
+from steeplejack.errors import InfeasibleError, InputError
+from steeplejack.robots.pipe_climber import BUILT_IN, Layout, load_pipe_climber
+from steeplejack.worksite.pipe_builtin import load_pipe
+
+if TYPE_CHECKING:
+    from steeplejack.runtime.climb_record import EndRecord
+    from steeplejack.simulation.climber.session import ClimbSession
+
+Pipe = Annotated[str, typer.Argument(help="Built-in name or TOML file of a run of pipes.")]
+
+
+def climb(
+    pipe: Pipe,
+    robot: ClimberRobot = BUILT_IN,
+    mu: Annotated[
+        float | None, typer.Option(help="Friction of the grippers' pads.", show_default="the robot file's")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Render a film strip into the log.")] = True,
+    out: Out = Path("out"),
+    json: Json = False,
+) -> None:
+    """Plan, simulate in physics, log and report a climb over a run of pipes."""
+    from steeplejack.planning.climb import plan_climb
+    from steeplejack.simulation.climber.session import ClimbSession
+
+    machine, run = load_pipe_climber(robot), load_pipe(pipe)
+    friction = _friction(mu, machine.gripper.friction)
+    target(out)
+    say(f"{run.name}: {run.description}")
+    with bar("plan", None):
+        plan = plan_climb(run, machine)
+    say(f"{plan.steps} steps, {plan.reached_m:.3f} m, {plan.duration:.0f} s planned")
+    if not plan.complete:
+        raise InfeasibleError(f"climbing {run.name} to its goal", plan.blocked or "the goal is out of reach")
+    session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction))
+    end, answer = _climbed(session, pictures, out)
+    emit(answer) if json else show_summary(answer)
+    if end.why:
+        how = "hanging safely with both grippers closed" if end.safe else "not at rest"
+        raise Ended(f"the climb ended early, {how}: {end.why}; log and report are complete to there")
+
+
+def _friction(asked: float | None, declared: float) -> float:
+    """The coefficient, as asked for or the robot file's."""
+    friction = declared if asked is None else asked
+    if not 0.0 < friction <= 2.0:
+        raise InputError("--mu", f"{friction:g}", "above 0, up to 2")
+    return friction
+
+
+def _climbed(session: ClimbSession, pictures: bool, out: Path) -> tuple[EndRecord, dict[str, Any]]:
+    """Run it, report it; how it ended, and the answer of the command."""
+    from steeplejack.report.climb import write_climb_report
+
+    out.mkdir(parents=True, exist_ok=True)
+    log, page = out / "climb.mcap", out / "climb.html"
+    with bar("simulate", session.plan.duration) as step, writing(log), stoppable() as asked_to_stop:
+        end = session.simulate(log, pictures, step, asked_to_stop)
+    with bar("report", None), writing(page):
+        summary = write_climb_report(log, page)
+    return end, msgspec.to_builtins(summary) | {"log": str(log), "report": str(page)}
+
+
+def show_summary(answer: dict[str, Any]) -> None:
+    """Print the answer of ``climb`` for a person."""
+    rows = {
+        "climbed": f"{answer['distance_m']:.3f} m in {answer['steps']} steps",
+        "duration": f"{answer['duration_s']:.1f} s, {answer['mean_speed_mm_s']:.2f} mm/s on average",
+        "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
+        "least transmission": f"{answer['min_transmission']:.3f}",
+        "collisions": answer["collisions"],
+        "log": answer["log"],
+        "report": answer["report"],
+    }
+    for name, value in rows.items():
+        print(f"{name:<24}{value}")

@@ -1,0 +1,19 @@
+"""The pipe climber under control: references followed, grips verified, slips seen."""
+
+from steeplejack.control.climber.controller import ClimberController, State, Status
+from steeplejack.control.climber.gait import TRANSITIONS, Act, Outcome, closed_in
+from steeplejack.control.climber.signals import Command, Measurement, Plant, Reference
+
+__all__ = [
+    "TRANSITIONS",
+    "Act",
+    "ClimberController",
+    "Command",
+    "Measurement",
+    "Outcome",
+    "Plant",
+    "Reference",
+    "State",
+    "Status",
+    "closed_in",
+]

@@ -1,0 +1,283 @@
+"""The lattice a climb is searched on: places for each gripper, pairs of places that a pose joins, clocks, and ways.
+
+Places of either gripper stand at equal distances along every pipe; those of the upper one are shifted by the least
+distance of the grippers on a straight, so that a full stroke there begins and ends on the lattice. Where something
+begins or ends that a gripper may not close on, and where the other gripper is then with the stroke used up, there are
+places as well: on straights a way exists if the lattice has one. Between two neighbouring places the middle is looked
+at too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from steeplejack.errors import InputError
+from steeplejack.planning.climb.limits import LIMITS, Limit, Machine
+from steeplejack.planning.climb.pairs import Joined, join
+from steeplejack.planning.climb.places import PALM, bumps, edges, passes, trouble
+from steeplejack.worksite.pipe_line import Pipe
+from steeplejack.worksite.pipe_run import PipeRun
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+MOST_PLACES = 40_000
+SAME = 1e-6
+"""Clocks closer than this are one [rad]."""
+LEAST_TURN = math.radians(5.0)
+"""A linkage of less range than this is not used to go round a pipe [rad]."""
+SAME_PLACE = 1e-7
+"""Places closer than this are one [m]."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places of one gripper, by pipe and along it.
+
+    Attributes:
+        pipe: Index of the pipe, (n,).
+        s: Along it, (n,) [m].
+        points: (n, 3) [m].
+        frames: (n, 3, 3).
+        holds: Whether the gripper may close there, (n,).
+    """
+
+    pipe: Indices
+    s: Array
+    points: Array
+    frames: Array
+    holds: Flags
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Everything the search needs.
+
+    Attributes:
+        run: What is climbed.
+        machine: What climbs.
+        step: Distance of neighbouring places [m].
+        lower: Places of the lower gripper.
+        upper: Places of the upper gripper.
+        clocks: (c,) in [0, 2 pi) [rad].
+        near: Clocks the linkage reaches from each, (c, b) indices, -1 where there are fewer.
+        pairs: (k, 2) places of lower and upper gripper, by lower and then by upper.
+        joined: Their poses.
+        sides: Index of the clock of either side, (k, 2); -1 where it is none of the lattice's.
+        ahead: Pair with the next place of the (upper, lower) gripper, (k, 2); -1 where there is none.
+        middles: Clock indices allowed halfway to it, (k, 2 grippers, 2); -2 for any clock, -1 for none.
+        lower_passes: Open lower gripper turning between clocks, (n, c, b).
+        upper_passes: The same of the upper one.
+    """
+
+    run: PipeRun
+    machine: Machine
+    step: float
+    lower: Places
+    upper: Places
+    clocks: Array
+    near: Indices
+    pairs: Indices
+    joined: Joined
+    sides: Indices
+    ahead: Indices
+    middles: Indices
+    lower_passes: Flags
+    upper_passes: Flags
+
+
+def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
+    """Lay the lattice over a run.
+
+    Raises:
+        InputError: More places than are searched.
+    """
+    total = sum(pipe.length for pipe in run.pipes)
+    if total / step > MOST_PLACES:
+        raise InputError(f"run {run.name}", f"{total:g} m of pipe", f"up to {MOST_PLACES * step:g} m at this stride")
+    clocks = wanted_clocks(run, machine)
+    near = _near(clocks, machine.robot.rcm.limit)
+    lower = _places(run, machine, step, "lower")
+    upper = _places(run, machine, step, "upper")
+    pairs = _close_pairs(machine, lower, upper)
+    gravity = np.array(run.gravity)
+    joined = join(machine, gravity, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
+    useful = np.asarray(joined.allowed.any(axis=1))
+    pairs, joined = pairs[useful], joined.only(useful)
+    ahead = np.stack([_ahead(pairs, (upper, lower)[g], 1 - g) for g in range(2)], axis=-1)
+    middles = np.full((len(pairs), 2, 2), -1, dtype=np.int64)
+    for gripper in range(2):
+        have = np.flatnonzero(ahead[:, gripper] >= 0)
+        ends = [_at(lower, pairs[have, 0]), _at(upper, pairs[have, 1])]
+        moving = 1 - gripper
+        ends[moving] = _halfway(run, (lower, upper)[moving], pairs[have, moving])
+        between = join(machine, gravity, ends[0], ends[1])
+        middles[have, gripper] = _clock_choice(between, clocks)
+    return Lattice(
+        run, machine, step, lower, upper, clocks, near, pairs, joined, _sides(joined, clocks), ahead, middles,
+        _passable(run, machine, lower, clocks, near), _passable(run, machine, upper, clocks, near),
+    )  # fmt: skip
+
+
+def deciding_limits(run: PipeRun, machine: Machine, step: float) -> set[Limit]:
+    """Limits that alone rule out some pair of places of a run: no other limit's relaxing gives a new pose."""
+    lower, upper = _places(run, machine, step, "lower"), _places(run, machine, step, "upper")
+    pairs = _close_pairs(machine, lower, upper, 1.5)
+    joined = join(machine, np.array(run.gravity), _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
+    broken = (joined.margins < -1e-9).reshape(-1, len(LIMITS))
+    length = broken[:, 1] | broken[:, 2]
+    alone = broken[broken[:, [0, 3, 4, 5, 6]].sum(axis=1) + length == 1]
+    return {limit for limit, some in zip(LIMITS, np.asarray(alone.any(axis=0)), strict=True) if some}
+
+
+def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
+    """Clocks worth standing at: the start's, both sides of every bend and crossing, both edges of what stands out.
+
+    All of them, and steps of the linkage's range between them, (c,) in [0, 2 pi).
+    """
+    anchors = [run.start_clock]
+    for pipe in run.pipes:
+        for part in pipe.parts:
+            anchors += [] if part.straight else [part.toward, part.toward + math.pi]
+        for one in bumps(run, machine, pipe):
+            away = one.clock[1] + machine.robot.gait.palm
+            if one.height > machine.robot.gait.clearance and away < math.pi:
+                anchors += [one.clock[0] - PALM - away, one.clock[0] - PALM + away]
+    for one in run.crossings:
+        anchors += [one.toward, one.toward + math.pi]
+    anchors = _distinct(np.array(anchors))
+    if len(anchors) == 1:
+        return anchors
+    if machine.robot.rcm.limit < LEAST_TURN:
+        return anchors
+    turns = max(1, math.ceil(2.0 * math.pi / min(machine.robot.rcm.limit, math.pi) - 1e-9))
+    grid = run.start_clock + 2.0 * math.pi * np.arange(turns) / turns
+    return _distinct(np.concatenate((anchors, grid)))
+
+
+def _distinct(clocks: Array) -> Array:
+    """Clocks in [0, 2 pi), each once, rising."""
+    turned = np.sort(np.mod(clocks, 2.0 * math.pi))
+    turned = turned[np.append(True, np.diff(turned) > SAME)]
+    return turned[:-1] if len(turned) > 1 and turned[0] + 2.0 * math.pi - turned[-1] < SAME else turned
+
+
+def _near(clocks: Array, limit: float) -> Indices:
+    """For each clock those within the linkage's range, itself first."""
+    apart = np.abs((clocks[:, None] - clocks + math.pi) % (2.0 * math.pi) - math.pi)
+    order = np.argsort(apart, axis=1, kind="stable")
+    count = (apart <= limit * (1.0 + 1e-9)).sum(axis=1)
+    near = order[:, : int(count.max())].astype(np.int64)
+    near[np.arange(near.shape[1]) >= count[:, None]] = -1
+    return near
+
+
+def turned(clocks: Array, start: int, end: int) -> float:
+    """The short way from one clock to another [rad]."""
+    return float((clocks[end] - clocks[start] + math.pi) % (2.0 * math.pi) - math.pi)
+
+
+def _places(run: PipeRun, machine: Machine, step: float, gripper: Literal["lower", "upper"]) -> Places:
+    """Places of one gripper on all pipes."""
+    columns: list[tuple[Indices, Array, Array, Array, Flags]] = []
+    for index, pipe in enumerate(run.pipes):
+        origin = (run.start_s if index == 0 else 0.0) + (machine.straight_gaps[0] if gripper == "upper" else 0.0)
+        first, last = math.ceil(-origin / step - 1e-9), math.floor((pipe.length - origin) / step + 1e-9)
+        grid = origin + step * np.arange(first, last + 1, dtype=np.float64)
+        s = _merged(grid, _marks(run, machine, pipe, gripper), pipe.length)
+        holds = ~np.any([flags for _why, flags in trouble(run, machine, pipe, s)], axis=0)
+        columns.append((np.full(len(s), index, dtype=np.int64), s, *pipe.centre_line(s), holds))
+    return Places(*(np.concatenate(column) for column in zip(*columns, strict=True)))  # pyright: ignore[reportArgumentType]
+
+
+def _marks(run: PipeRun, machine: Machine, pipe: Pipe, gripper: Literal["lower", "upper"]) -> Array:
+    """Places one gripper has to come to exactly: its edges, and where it is when the other one is at its own."""
+    own, least, most = edges(run, machine, pipe), *machine.straight_gaps
+    if pipe.name == run.goal_pipe:
+        own = np.append(own, run.goal_s) if gripper == "lower" else own
+    if most < least:
+        return own
+    sign = 1.0 if gripper == "upper" else -1.0
+    return np.concatenate((own, own + sign * least, own + sign * most))
+
+
+def _merged(grid: Array, marks: Array, length: float) -> Array:
+    """Places of a grid and marks between the ends of a pipe, rising; of two that are one the mark."""
+    marks = np.unique(np.round(marks[(marks > -SAME_PLACE) & (marks < length + SAME_PLACE)], 9))
+    marks = marks[np.append(True, np.diff(marks) > SAME_PLACE)] if len(marks) else marks
+    apart = np.abs(grid[:, None] - marks).min(axis=1, initial=np.inf)
+    return np.clip(np.sort(np.concatenate((grid[apart > SAME_PLACE], marks))), 0.0, length)
+
+
+def _at(places: Places, which: Indices) -> tuple[Array, Array]:
+    return places.points[which], places.frames[which]
+
+
+def _halfway(run: PipeRun, places: Places, which: Indices) -> tuple[Array, Array]:
+    """Points and frames halfway to the next places."""
+    s = 0.5 * (places.s[which] + places.s[which + 1])
+    points, frames = np.empty((len(which), 3)), np.empty((len(which), 3, 3))
+    for index, pipe in enumerate(run.pipes):
+        mine = places.pipe[which] == index
+        points[mine], frames[mine] = pipe.centre_line(s[mine])
+    return points, frames
+
+
+def _close_pairs(machine: Machine, lower: Places, upper: Places, beyond: float = 1.0) -> Indices:
+    """Pairs no further apart than limb 2 reaches with its base joint's distance, (k, 2)."""
+    far = beyond * float(machine.longest[1]) + abs(float(machine.layout.base[1])) + abs(machine.claw_offset)
+    close = KDTree(lower.points).sparse_distance_matrix(KDTree(upper.points), far, output_type="ndarray")
+    pairs = np.stack((close["i"], close["j"]), axis=-1).astype(np.int64)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def _ahead(pairs: Indices, places: Places, column: int) -> Indices:
+    """Index of the pair with the next place of one gripper on the same pipe, -1 where there is none."""
+    width = int(pairs.max(initial=0)) + 2
+    code = pairs[:, 0] * width + pairs[:, 1]
+    wanted = code + (1 if column == 1 else width)
+    found = np.searchsorted(code, wanted)
+    if not len(code):
+        return found
+    found = np.minimum(found, len(code) - 1)
+    here = pairs[:, column]
+    following = np.minimum(here + 1, len(places.pipe) - 1)
+    good = (code[found] == wanted) & (places.pipe[following] == places.pipe[here]) & (following > here)
+    return np.where(good, found, -1)
+
+
+def _sides(joined: Joined, clocks: Array) -> Indices:
+    """Index of the clock of either side of each pair, -1 where it is none of the lattice's."""
+    apart = np.abs((joined.clocks[..., None] - clocks + math.pi) % (2.0 * math.pi) - math.pi)
+    best = apart.argmin(axis=-1)
+    return np.where(np.take_along_axis(apart, best[..., None], axis=-1)[..., 0] < 1e-4, best, -1)
+
+
+def _clock_choice(joined: Joined, clocks: Array) -> Indices:
+    """Clock index allowed at either side, -2 for any, -1 for none, (k, 2)."""
+    choice = np.where(joined.allowed, _sides(joined, clocks), -1)
+    choice[joined.coaxial] = np.where(joined.allowed[joined.coaxial], -2, -1)
+    return choice
+
+
+def _passable(run: PipeRun, machine: Machine, places: Places, clocks: Array, near: Indices) -> Flags:
+    """Whether the open gripper passes a place while it turns from a clock to one near it, (n, c, b)."""
+    passable = np.ones((len(places.s), *near.shape), dtype=np.bool_)
+    ends = clocks[np.maximum(near, 0)]
+    turn = (ends - clocks[:, None] + math.pi) % (2.0 * math.pi) - math.pi
+    middle, half = (clocks[:, None] + 0.5 * turn), 0.5 * np.abs(turn)
+    for index, pipe in enumerate(run.pipes):
+        mine = places.pipe == index
+        for column in range(near.shape[1]):
+            for row in range(near.shape[0]):
+                passable[mine, row, column] = passes(
+                    run, machine, pipe, places.s[mine], middle[row, column : column + 1], float(half[row, column])
+                )[:, 0]
+    return passable

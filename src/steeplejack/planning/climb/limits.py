@@ -1,0 +1,156 @@
+"""What a machine can do in one place: lengths, tilt, hinges, singularity and actuator forces of a pose.
+
+A pose is allowed when every cylinder is within its own window (between its retracted length and that plus the stroke,
+and within the reach of the mechanism), the platform's tilt within the joints' range, the hinges within theirs where
+the machine names a neutral, det J on the home pose's side, and when the cylinders hold the weight of either half of
+the robot: whichever gripper then opens, the other one bears the robot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
+from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.parameters import PipeClimber
+from steeplejack.robots.pipe_climber.singularity import determinant
+from steeplejack.robots.pipe_climber.statics import actuator_forces
+
+Array = NDArray[np.float64]
+Limit = Literal["plane", "shortest", "longest", "tilt", "hinge", "singularity", "force"]
+LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "singularity", "force")
+SINGULAR = 1e-3
+"""Least |det J| in parts of L1 that a climb goes near [1]; at home it is about 0.5."""
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A pipe climber as the planner sees it.
+
+    Attributes:
+        robot: All of it.
+        layout: Its hinges.
+        shortest: Of each cylinder, (3,) [m].
+        longest: Of each cylinder, (3,) [m].
+        side: Sign of det J at the home pose.
+        upper_mass: What moves with the upper gripper, payload included [kg].
+        lower_mass: What moves with the lower gripper [kg].
+        payload: On the upper gripper [kg].
+    """
+
+    robot: PipeClimber
+    layout: Layout
+    shortest: Array
+    longest: Array
+    side: float
+    upper_mass: float
+    lower_mass: float
+    payload: float = 0.0
+
+    @classmethod
+    def of(cls, robot: PipeClimber, payload_kg: float = 0.0) -> Machine:
+        """The planner's view of a machine with a payload on its upper gripper [kg]."""
+        if not 0.0 <= payload_kg < math.inf:
+            raise InputError("payload", f"{payload_kg:g} kg", "a finite mass of at least 0 kg")
+        cylinders, layout = robot.cylinders, Layout.of(robot)
+        shortest = np.maximum(cylinders.retracted, cylinders.reach[0])
+        longest = np.minimum(np.array(cylinders.retracted) + cylinders.stroke, cylinders.reach[1])
+        upper = robot.build.gripper_mass + robot.build.plate_mass + 1.5 * cylinders.mass
+        side = float(np.sign(determinant(layout, np.array(robot.joints.home))))
+        lower = max(0.0, robot.body.mass - upper)
+        return cls(robot, layout, shortest, longest, side, upper + payload_kg, lower, payload_kg)
+
+    @property
+    def claw_offset(self) -> float:
+        """hz, from O2 to the upper gripper's centre [m]."""
+        return self.robot.linkage.claw_offset
+
+    @property
+    def mass(self) -> float:
+        """Of robot and payload [kg]."""
+        return self.upper_mass + self.lower_mass
+
+    @property
+    def straight_gaps(self) -> tuple[float, float]:
+        """Least and largest distance of the grippers on a straight pipe; least above largest if there is none [m]."""
+        across = self.layout.platform - self.layout.base
+        squares = np.maximum(self.shortest**2 - across**2, 0.0)
+        least = math.sqrt(max(float(squares.max()), 0.0))
+        rest = self.longest**2 - across**2
+        largest = math.sqrt(float(rest.min())) if (rest > 0.0).all() else -math.inf
+        return least + self.claw_offset, largest + self.claw_offset
+
+
+def margins(machine: Machine, poses: Array, gravity: Array, worst_across: Array | None = None) -> Array:
+    """How far poses are inside each limit.
+
+    Args:
+        machine: With its limits.
+        poses: (x, w, alpha), (k, 3) [m, m, rad].
+        gravity: Along the mechanism's X and Z, (k, 2) [m/s2].
+        worst_across: If given, gravity across the pipe that may point to either side of X, (k,) [m/s2].
+
+    Returns:
+        (k, 7) in the order of `LIMITS`, negative where the limit is passed: [1] (plane, always 1 here), [m], [m],
+        [rad], [rad], [m], [N]. The force only where the others hold, else infinite.
+    """
+    lengths = limb_lengths(machine.layout, poses)
+    joints = machine.robot.joints
+    found = np.empty((len(poses), len(LIMITS)))
+    found[:, 0] = 1.0
+    found[:, 1] = (lengths - machine.shortest).min(axis=1)
+    found[:, 2] = (machine.longest - lengths).min(axis=1)
+    found[:, 3] = joints.limit - np.abs(poses[:, 2])
+    found[:, 4] = np.pi
+    if joints.neutral != "none":
+        turns = np.abs(hinge_angles(machine.layout, poses, joints.neutral))
+        found[:, 4] = joints.limit - turns.reshape(len(poses), -1).max(axis=1)
+    ahead = np.where(poses[:, 1] > 0.0, 1.0, -1.0)
+    with np.errstate(invalid="ignore", divide="ignore"):  # where a limb has no length
+        det = machine.side * determinant(machine.layout, poses)
+    found[:, 5] = np.minimum(det, ahead) - SINGULAR * machine.layout.lengths[0]
+    found[:, 6] = np.inf
+    held = (found[:, :6] >= -ROUNDING).all(axis=1)
+    across = None if worst_across is None else worst_across[held]
+    found[held, 6] = machine.robot.cylinders.force - largest_force(machine, poses[held], gravity[held], across)
+    return np.where(np.isnan(found), -1.0, found)
+
+
+def largest_force(machine: Machine, poses: Array, gravity: Array, worst_across: Array | None = None) -> Array:
+    """Largest push or pull of a cylinder while either gripper holds alone, slow motion, (k,) [N]."""
+    largest = np.zeros(len(poses))
+    for wrench in _weights(machine, poses, gravity):
+        forces = np.abs(actuator_forces(machine.layout, poses, wrench))
+        largest = np.maximum(largest, forces.max(axis=1))
+    if worst_across is None:
+        return largest
+    aside = np.stack((worst_across, np.zeros_like(worst_across)), axis=-1)
+    along = np.stack((np.zeros_like(worst_across), gravity[:, 1]), axis=-1)
+    worst = np.zeros(len(poses))
+    for across, lengthwise in zip(_weights(machine, poses, aside), _weights(machine, poses, along), strict=True):
+        both = np.abs(actuator_forces(machine.layout, poses, across))
+        both = both + np.abs(actuator_forces(machine.layout, poses, lengthwise))
+        worst = np.maximum(worst, both.max(axis=1))
+    return worst
+
+
+def _weights(machine: Machine, poses: Array, gravity: Array) -> tuple[Array, Array]:
+    """Weight as a wrench (F_x, F_z, M_y) on the platform at O2: of the upper half, and of the lower half through it.
+
+    The halves' weights act at the grippers' centres. The lower half hangs on the limbs from the other side, so what
+    they do to the platform has the opposite sign.
+    """
+    x, w, alpha = poses.T
+    upper, lower = machine.upper_mass * gravity, machine.lower_mass * gravity
+    hz = machine.claw_offset
+    above = hz * np.cos(alpha) * upper[:, 0] - hz * np.sin(alpha) * upper[:, 1]
+    below = -w * lower[:, 0] + x * lower[:, 1]
+    first = np.stack((upper[:, 0], upper[:, 1], above), axis=-1)
+    return first, -np.stack((lower[:, 0], lower[:, 1], below), axis=-1)

@@ -1,0 +1,271 @@
+"""The fastest climb over a run of pipes, or the furthest one with the limit that ends it and what would change that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.planning.climb.gait import BEARS, acts, after
+from steeplejack.planning.climb.lattice import Lattice, build_lattice, turned
+from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.moves import Standing, lower_moves, timed, way
+from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase, Pose
+from steeplejack.planning.climb.search import shortest_times
+from steeplejack.robots.pipe_climber.inverse import limb_lengths
+from steeplejack.robots.pipe_climber.parameters import PipeClimber
+from steeplejack.robots.pipe_climber.singular_path import check_waypoints
+from steeplejack.worksite.pipe_run import PipeRun
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+PARTS = (5, 10, 20)
+"""Into how many parts lattices divide the stroke on a straight, coarsest first."""
+STATES = 600_000
+"""A finer lattice with more states than this is only searched where the coarser ones find no way."""
+NO_STROKE = 0.005
+"""[m] What stands for the stroke on a straight where the machine has none, to lay the lattice by."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A climb on a lattice.
+
+    Attributes:
+        standings: Both grippers closed, from the start on.
+        progress: How far the lower gripper is along the way to the goal [m].
+        complete: Whether that is the goal.
+        duration: By the search [s].
+    """
+
+    standings: tuple[Standing, ...]
+    progress: float
+    complete: bool
+    duration: float
+
+
+def plan_climb(run: PipeRun, robot: PipeClimber, payload_kg: float = 0.0) -> ClimbPlan:
+    """Plan a climb from the run's start to its goal in the shortest time.
+
+    Args:
+        run: Pipes, obstacles, start and goal.
+        robot: The machine; its cylinders' windows, speeds and forces, its servo's range and speed and its grippers'
+            clearances are kept everywhere.
+        payload_kg: Carried by the upper gripper [kg].
+
+    Returns:
+        The plan; if the goal cannot be reached, the plan to the furthest place, with the reason.
+
+    Raises:
+        InputError: A payload that is no mass, a run too long to search.
+    """
+    machine = Machine.of(robot, payload_kg)
+    found = climb(run, machine)
+    if found.complete:
+        return as_plan(run, machine, found, None)
+    from steeplejack.planning.climb.blocked import explain  # it solves climbs itself
+
+    return as_plan(run, machine, found, explain(run, machine, found))
+
+
+def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -> ClimbPlan:
+    """The plan of a climb found on a lattice, with references in time."""
+    start = found.standings[0].lower[1] if found.standings else run.start_s
+    phases = _phases(run, machine, found.standings)
+    return ClimbPlan(run.name, machine.robot.name, phases, found.progress - start, found.complete, blocked)
+
+
+def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Found:
+    """The best climb the lattices hold: the finest affordable one, finer ones only where there is no way."""
+    least, largest = machine.straight_gaps
+    stroke = largest - least if largest - least > NO_STROKE else NO_STROKE
+    best: Found | None = None
+    for number in parts:
+        lattice = build_lattice(run, machine, stroke / number)
+        if best is not None and best.complete and lattice.joined.coaxial.size * lattice.near.size > STATES:
+            break
+        found = search(lattice)
+        better = best is None or (found.complete, found.progress, -found.duration) > (
+            best.complete, best.progress + 1e-9 * (not found.complete), -best.duration,
+        )  # fmt: skip
+        best = found if better else best
+    assert best is not None
+    return best
+
+
+def search(lattice: Lattice) -> Found:
+    """The fastest way over one lattice, ways between pipes proved one at a time."""
+    banned = np.empty((0, 2), dtype=np.int64)
+    while True:
+        path, times, complete = _search_once(lattice, banned)
+        bad = _impossible(lattice, path)
+        if bad is None:
+            break
+        banned = np.append(banned, [bad], axis=0)
+    standings = _standings(lattice, path)
+    if not standings:
+        return Found((), lattice.run.start_s, False, 0.0)
+    return Found(standings, progress(lattice.run, standings[-1].lower), complete, times)
+
+
+def progress(run: PipeRun, place: tuple[int, float]) -> float:
+    """How far a place is along the way to the goal: along the main pipe, then along the crossing one [m]."""
+    index, s = place
+    if index == 0:
+        return s
+    crossing = run.crossings[index - 1]
+    return crossing.at + s - crossing.at_other
+
+
+def _search_once(lattice: Lattice, banned: Indices) -> tuple[list[int], float, bool]:
+    """States from start to goal, or to the furthest reached; the time; whether it is the goal."""
+    machine = lattice.machine
+    pairs, joined, near = lattice.pairs, lattice.joined, lattice.near
+    start = _start_state(lattice)
+    if start is None:
+        return [], 0.0, False
+    goal = _goal_pairs(lattice)
+    lengths = limb_lengths(machine.layout, joined.poses)
+    turns = (lattice.clocks[np.maximum(near, 0)] - lattice.clocks[:, None] + np.pi) % (2.0 * np.pi) - np.pi
+    order = np.lexsort((pairs[:, 0], pairs[:, 1]))
+    behind = np.full_like(lattice.ahead, -1)
+    for gripper in range(2):
+        have = np.flatnonzero(lattice.ahead[:, gripper] >= 0)
+        behind[lattice.ahead[have, gripper], gripper] = have
+    cylinders, gait = machine.robot.cylinders, machine.robot.gait
+    times, before, reached = shortest_times(
+        pairs, joined.coaxial, lattice.sides, joined.allowed, lengths, lattice.ahead, behind, lattice.middles,
+        lattice.lower.holds, lattice.upper.holds, lattice.lower.pipe, lattice.upper.pipe, near, turns,
+        lattice.lower_passes, lattice.upper_passes,
+        np.searchsorted(pairs[:, 0], np.arange(len(lattice.lower.s) + 1)),
+        np.searchsorted(pairs[order, 1], np.arange(len(lattice.upper.s) + 1)), order, banned,
+        np.array([start]), goal, cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time,
+    )  # fmt: skip
+    state = int(reached) if reached >= 0 else _furthest(lattice, times)
+    path = [state]
+    while before[path[-1]] >= 0:
+        path.append(int(before[path[-1]]))
+    return path[::-1], float(times[state]), bool(reached >= 0)
+
+
+def _start_state(lattice: Lattice) -> int | None:
+    """The lower gripper at the start, the upper one as near as it can hold; None if there is no such pair."""
+    run, pairs, joined = lattice.run, lattice.pairs, lattice.joined
+    lower, upper = lattice.lower, lattice.upper
+    clock = int(np.argmin(np.abs((lattice.clocks - run.start_clock + np.pi) % (2.0 * np.pi) - np.pi)))
+    at_start = (lower.pipe[pairs[:, 0]] == 0) & (np.abs(lower.s[pairs[:, 0]] - run.start_s) < 1e-9)
+    good = at_start & lower.holds[pairs[:, 0]] & lower.holds[pairs[:, 0]] & upper.holds[pairs[:, 1]]
+    fits = (joined.coaxial[:, None] | (lattice.sides == clock)) & joined.allowed
+    good &= fits.any(axis=1) & (upper.pipe[pairs[:, 1]] == 0)
+    if not good.any():
+        return None
+    count, spread = lattice.near.shape
+    return (int(np.flatnonzero(good)[0]) * count + clock) * spread
+
+
+def _goal_pairs(lattice: Lattice) -> NDArray[np.bool_]:
+    run = lattice.run
+    index = next(i for i, pipe in enumerate(run.pipes) if pipe.name == run.goal_pipe)
+    places = lattice.lower
+    there = (places.pipe == index) & (places.s >= run.goal_s - 1e-9) & places.holds
+    return there[lattice.pairs[:, 0]]
+
+
+def _furthest(lattice: Lattice, times: Array) -> int:
+    """The reached state with the lower gripper furthest on, then the upper one, then the earliest."""
+    count, spread = lattice.near.shape
+    by_pair = times.reshape(len(lattice.pairs), -1)
+    quickest = by_pair.min(axis=1)
+    run = lattice.run
+    offsets = np.array([0.0] + [one.at - one.at_other for one in run.crossings])
+    far = [
+        offsets[places.pipe[lattice.pairs[:, column]]] + places.s[lattice.pairs[:, column]]
+        for column, places in enumerate((lattice.lower, lattice.upper))
+    ]
+    reached = np.flatnonzero(np.isfinite(quickest))
+    best = reached[np.lexsort((quickest[reached], -far[1][reached], -far[0][reached]))[0]]
+    return int(best) * count * spread + int(by_pair[best].argmin())
+
+
+def _standings(lattice: Lattice, path: list[int]) -> tuple[Standing, ...]:
+    """Both grippers' places along a path of states, clocks unwrapped."""
+    count, spread = lattice.near.shape
+    found: list[Standing] = []
+    for state in path:
+        pair, upper = state // (count * spread), (state // spread) % count
+        lower = int(lattice.near[upper, state % spread])
+        low, high = lattice.pairs[pair]
+        coaxial = bool(lattice.joined.coaxial[pair])
+        side = 0 if coaxial else int(np.flatnonzero((lattice.sides[pair] == upper) & lattice.joined.allowed[pair])[0])
+        before = found[-1].upper_clock if found else lattice.run.start_clock
+        upper_clock = before + float((lattice.clocks[upper] - before + np.pi) % (2.0 * np.pi) - np.pi)
+        lower_clock = upper_clock + turned(lattice.clocks, upper, lower)
+        x, w, alpha = lattice.joined.poses[pair, side].tolist()
+        found.append(
+            Standing(
+                (int(lattice.lower.pipe[low]), float(lattice.lower.s[low])),
+                (int(lattice.upper.pipe[high]), float(lattice.upper.s[high])),
+                lower_clock, upper_clock, (x, w, alpha),
+            )
+        )  # fmt: skip
+    return tuple(found)
+
+
+def _impossible(lattice: Lattice, path: list[int]) -> tuple[int, int] | None:
+    """The first pair of states with no way between two pipes that the cylinders can go, or one near a singularity."""
+    count, spread = lattice.near.shape
+    standings = _standings(lattice, path)
+    for state, following, start, end in zip(path, path[1:], standings, standings[1:], strict=False):
+        if (start.lower[0], start.upper[0]) == (end.lower[0], end.upper[0]):
+            continue
+        poses = way(lattice.run, lattice.machine, start, end)
+        if poses is None or check_waypoints(lattice.machine.layout, poses).verdict != "free":
+            return state // (count * spread), following // (count * spread)
+    return None
+
+
+def _phases(run: PipeRun, machine: Machine, standings: tuple[Standing, ...]) -> tuple[Phase, ...]:
+    """Release, move and grip between standings."""
+    found: list[Phase] = []
+    hold = Hold.BOTH
+    for start, end in zip(standings, standings[1:], strict=False):
+        poses = way(run, machine, start, end)
+        assert poses is not None  # the search has looked
+        beta = (start.freedoms[3], end.freedoms[3])
+        times, freedoms = timed(machine, poses, beta)
+        first: Pose = start.freedoms
+        last: Pose = end.freedoms
+        for kind in acts(Hold.LOWER if lower_moves(start, end) else Hold.UPPER):
+            bears, hold = BEARS[hold, kind], after(hold, kind)
+            at = end if kind.startswith("grip") else start
+            moving = kind == "move"
+            found.append(
+                Phase(
+                    kind, bears, float(times[-1]) if moving else machine.robot.gripper.close_time,
+                    last if kind.startswith("grip") else first, first if kind.startswith("release") else last,
+                    at.lower[1], at.upper[1], at.lower_clock, _why(run, start, end),
+                    *((times, freedoms) if moving else ()),
+                    pipe_lower=run.pipes[at.lower[0]].name, pipe_upper=run.pipes[at.upper[0]].name,
+                )
+            )  # fmt: skip
+    return tuple(found)
+
+
+def _why(run: PipeRun, start: Standing, end: Standing) -> str:
+    """What a step is for, in words."""
+    lower = lower_moves(start, end)
+    which: Literal["lower", "upper"] = "lower" if lower else "upper"
+    before, then = (start.lower, end.lower) if lower else (start.upper, end.upper)
+    turn = np.degrees(end.lower_clock - start.lower_clock if lower else end.upper_clock - start.upper_clock)
+    if before[0] != then[0]:
+        return f"{which} gripper crosses from {run.pipes[before[0]].name} to {run.pipes[then[0]].name}"
+    said: list[str] = []
+    if abs(then[1] - before[1]) > 1e-9:
+        part = "round the bend" if end.pose[2] or start.pose[2] else "along the pipe"
+        said.append(f"{1e3 * (then[1] - before[1]):+.1f} mm {part}")
+    if abs(turn) > 1e-6:
+        said.append(f"{turn:+.0f} deg about the pipe")
+    return f"{which} gripper " + (", ".join(said) or "takes another grip")

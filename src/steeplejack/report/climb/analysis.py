@@ -1,0 +1,92 @@
+"""A climb in figures, from its log alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.design.climber.transmission import local_transmission
+from steeplejack.report.climb.log import ClimbLog
+
+Array = NDArray[np.float64]
+
+
+class ClimbSummary(msgspec.Struct, frozen=True):
+    """What the command answers; keys are a contract."""
+
+    distance_m: float
+    steps: int
+    duration_s: float
+    mean_speed_mm_s: float
+    max_actuator_force_n: float
+    min_transmission: float
+    collisions: int
+
+
+@dataclass(frozen=True)
+class ClimbAnalysis:
+    """Figures of a climb.
+
+    Attributes:
+        summary: Of the whole run.
+        transmission: Local transmission index at every sample (n,) [1].
+        bound: Mean speed that stroke, speed and close time allow on a straight pipe [m/s].
+        least_margin: Of both grippers over the run [1]; NaN where none held.
+        margin_at: When, and index of the gripper.
+        largest_error: At the moments of gripping [m, rad].
+        energy: Put in by cylinders and servo [J].
+    """
+
+    summary: ClimbSummary
+    transmission: Array
+    bound: float
+    least_margin: float
+    margin_at: tuple[float, int]
+    largest_error: tuple[float, float]
+    energy: float
+
+
+def speed_bound(log: ClimbLog) -> float:
+    """``stroke / (2 stroke / v + 4 grip times)``: out and back at full speed, each gripper opened and closed [m/s]."""
+    cylinders = log.robot.cylinders
+    cycle = 2.0 * cylinders.stroke / cylinders.speed + 4.0 * log.robot.gripper.close_time
+    return cylinders.stroke / cycle
+
+
+def summarise(log: ClimbLog) -> ClimbAnalysis:
+    """The figures of a climb."""
+    samples = log.samples
+    transmission = local_transmission(log.layout, samples.actual[:, :3])
+    duration = float(samples.time[-1] if log.end is None else log.end.duration_s)
+    distance = float(samples.travelled[-1])
+    summary = ClimbSummary(
+        distance_m=distance,
+        steps=_steps(log),
+        duration_s=duration,
+        mean_speed_mm_s=1e3 * distance / duration if duration > 0.0 else 0.0,
+        max_actuator_force_n=float(samples.strongest.max()),
+        min_transmission=float(transmission.min()),
+        collisions=int(samples.collisions[-1]),
+    )
+    counted = np.where(np.isnan(samples.margin), np.inf, samples.margin)
+    row, gripper = np.unravel_index(int(np.argmin(counted)), counted.shape)
+    least = float(counted[row, gripper])
+    errors = [(one.error_m, one.error_rad) for one in log.grips] or [(np.nan, np.nan)]
+    return ClimbAnalysis(
+        summary,
+        transmission,
+        speed_bound(log),
+        least if np.isfinite(least) else np.nan,
+        (float(samples.time[row]), int(gripper)),
+        (max(one[0] for one in errors), max(one[1] for one in errors)),
+        float(samples.energy[-1]),
+    )
+
+
+def _steps(log: ClimbLog) -> int:
+    """How often the lower gripper was set down as planned."""
+    phases = log.plan.phases
+    return len({one.phase for one in log.grips if phases[one.phase].kind == "grip-lower" and one.gripper == "lower"})

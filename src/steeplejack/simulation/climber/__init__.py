@@ -1,0 +1,1 @@
+"""The pipe climber in MuJoCo: scene, plant, and whole plans run in it."""

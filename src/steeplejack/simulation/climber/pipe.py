@@ -1,0 +1,107 @@
+"""A run of pipes as solids, and where a plan puts the robot on it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from steeplejack.planning.climb.plan import Phase
+from steeplejack.simulation.climber.solids import Array, Solid
+from steeplejack.worksite.pipe_line import Part, Pipe
+from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
+
+SAGITTA = 5e-5  # [m] by which the chords of a bend may leave its arc
+MARKS = 0.1  # [m] between rings painted on the pipe
+NEAR = 0.03  # [m] along the pipe from a gripper's middle to where its pads end
+RIDGES = math.radians(15.0)  # between the ridges that an obstacle over part of the clock is made of
+
+
+def solids_of(run: PipeRun) -> list[Solid]:
+    """Pipes as capsules, flanges and the like as cylinders, what stands on part of the clock as ridges along it."""
+    pipes = [solid for pipe in run.pipes for part in pipe.parts for solid in _part(part)]
+    obstacles = [solid for obstacle in run.obstacles for solid in _obstacle(run, obstacle)]
+    return pipes + obstacles + [mark for pipe in run.pipes for mark in _marks(pipe)]
+
+
+def frame_at(pipe: Pipe, s: float, clock: float) -> Array:
+    """Frame of a gripper on a pipe: z along it, X at a clock (4, 4)."""
+    point, frame = pipe.centre_line(s)
+    cosine, sine = math.cos(clock), math.sin(clock)
+    out = np.eye(4)
+    out[:3, :3] = frame @ np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    out[:3, 3] = point
+    return out
+
+
+def lower_frame(run: PipeRun, phase: Phase) -> Array:
+    """Where a phase of a plan begins: frame of the lower gripper (4, 4)."""
+    return frame_at(run.pipe(phase.pipe_lower), phase.s_lower, phase.clock)
+
+
+def radii(run: PipeRun, phase: Phase) -> Array:
+    """Of the pipe at the lower and the upper gripper when a phase begins (2,) [m]."""
+    places = ((phase.s_lower, phase.pipe_lower), (phase.s_upper, phase.pipe_upper))
+    return np.array([float(run.radius(s, pipe)) for s, pipe in places])
+
+
+def clearing(run: PipeRun, phase: Phase, following: Phase) -> float:
+    """Radius that open jaws must clear while a gripper goes from one place to another along a pipe [m].
+
+    Args:
+        run: The pipes.
+        phase: Where the grippers are when it begins.
+        following: Where they are when it has ended.
+
+    Returns:
+        The largest radius of the pipe on the way, with the highest obstacle.
+    """
+    widest = 0.0
+    for end in ("lower", "upper"):
+        pipe, before, after = getattr(phase, f"pipe_{end}"), getattr(phase, f"s_{end}"), getattr(following, f"s_{end}")
+        low, high = min(before, after), max(before, after)
+        if pipe != getattr(following, f"pipe_{end}"):
+            low, high = before, before
+        widest = max(widest, float(run.radius(np.linspace(low, high, 9), pipe).max()))
+        for one in run.obstacles:
+            if one.pipe == pipe and one.start - NEAR < high and one.end + NEAR > low and high > low:
+                widest = max(widest, float(run.radius(one.start, pipe)) + one.height)
+    return widest
+
+
+def _part(part: Part) -> list[Solid]:
+    """One capsule for a straight, chords for a bend."""
+    chords = 1
+    if not part.straight:
+        most = 2.0 * math.sqrt(2.0 * part.radius * SAGITTA)
+        chords = max(1, math.ceil(part.length / most))
+    points, _ = part.at(part.start + np.linspace(0.0, part.length, chords + 1))
+    radius = 0.5 * part.diameter
+    return [Solid("pipe", "capsule", a, b, radius) for a, b in zip(points[:-1], points[1:], strict=True)]
+
+
+def _marks(pipe: Pipe) -> list[Solid]:
+    """A painted ring every tenth of a metre."""
+    places = np.arange(MARKS, pipe.length, MARKS)
+    points, frames = pipe.centre_line(places)
+    half = 0.002 * frames[:, :, 2]
+    rings = zip(points - half, points + half, pipe.radius(places), strict=True)
+    return [Solid("mark", "cylinder", a, b, float(radius) + 2e-4) for a, b, radius in rings]
+
+
+def _obstacle(run: PipeRun, obstacle: PipeObstacle) -> list[Solid]:
+    """A cylinder where it goes all round on a straight; else ridges of half its height's radius on the surface."""
+    pipe = run.pipe(obstacle.pipe)
+    ends, frames = pipe.centre_line(np.array([obstacle.start, obstacle.end]))
+    middle = 0.5 * (obstacle.start + obstacle.end)
+    reach = float(pipe.radius(middle)) + obstacle.height
+    if obstacle.clock is None:
+        return [Solid("obstacle", "cylinder", ends[0], ends[1], reach)]
+    first, last = obstacle.clock
+    half = 0.5 * obstacle.height
+    count = max(2, math.ceil((last - first) / RIDGES) + 1)
+    out: list[Solid] = []
+    for clock in np.linspace(first, last, count):
+        aside = (reach - half) * (math.cos(clock) * frames[:, :, 0] + math.sin(clock) * frames[:, :, 1])
+        out.append(Solid("obstacle", "cylinder", ends[0] + aside[0], ends[1] + aside[1], half))
+    return out

@@ -1,0 +1,74 @@
+"""``climb``: its answer, its files, and how it ends when it cannot or may not go on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from command_line import Outcome
+
+pytestmark = pytest.mark.long
+
+Steeplejack = Callable[..., Outcome]
+
+KEYS = {
+    "distance_m", "steps", "duration_s", "mean_speed_mm_s", "max_actuator_force_n", "min_transmission", "collisions",
+    "log", "report",
+}  # fmt: skip
+SHORT = """kind = "pipes"
+name = "short"
+description = "a vertical pipe, climbed for one stroke"
+source = "test"
+start = { s = 0.05 }
+goal = { s = 0.10 }
+
+[main]
+diameter = 0.060
+[[main.parts]]
+kind = "straight"
+length = 0.40
+"""
+
+
+def test_a_short_climb(steeplejack: Steeplejack, folder: Path) -> None:
+    (folder / "short.toml").write_text(SHORT)
+    done = steeplejack("climb", "short.toml", "--no-pictures", "--out", "out", "--json")
+    assert done.code == 0
+    answer = done.answer
+    assert set(answer) == KEYS
+    assert answer["distance_m"] == pytest.approx(0.05, abs=1e-3)
+    assert answer["steps"] == 1 and answer["collisions"] == 0
+    assert answer["mean_speed_mm_s"] >= 8.07
+    assert 0.0 < answer["max_actuator_force_n"] <= 50.0
+    assert (folder / answer["log"]).is_file() and (folder / answer["report"]).is_file()
+    again = steeplejack("report", answer["log"], "--out", "again", "--json")
+    assert again.code == 0 and again.answer["duration_s"] == answer["duration_s"]
+
+
+def test_too_little_friction_ends_early_but_safely(steeplejack: Steeplejack, folder: Path) -> None:
+    (folder / "short.toml").write_text(SHORT)
+    done = steeplejack("climb", "short.toml", "--mu", "0.2", "--no-pictures", "--out", "out", "--json")
+    assert done.code == 4
+    assert set(done.answer) == KEYS
+    assert "hanging safely with both grippers closed" in done.err and "slip" in done.err
+    assert "Traceback" not in done.err
+
+
+def test_a_pipe_too_thick_has_no_climb(steeplejack: Steeplejack, folder: Path) -> None:
+    (folder / "thick.toml").write_text(SHORT.replace("0.060", "0.120"))
+    done = steeplejack("climb", "thick.toml", "--no-pictures", "--out", "out", "--json")
+    assert done.code == 3
+    assert done.answer["feasible"] is False and done.answer["binding"]
+    assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [(("nowhere",), "straight-vertical"), (("straight-vertical", "--mu", "0"), "--mu"),
+     (("straight-vertical", "--mu", "nan"), "--mu"), (("straight-vertical", "--robot", "none.toml"), "none.toml")],
+)  # fmt: skip
+def test_bad_input_is_one_line(steeplejack: Steeplejack, folder: Path, arguments: tuple[str, ...], word: str) -> None:
+    done = steeplejack("climb", *arguments, "--json")
+    assert done.code == 2 and word in done.err and done.err.count("\n") == 1
+    assert not list(folder.iterdir())
