@@ -166,7 +166,8 @@ def test_lists_name_their_sources(steeplejack: Run) -> None:
     assert [robot["name"] for robot in robots] == ["ccrobot-s", "pipe-climber"]
     sites = steeplejack("worksites", "--json").answer["worksites"]
     names = ["table-iii", "ecs620-like", "russky-like", "sutong-like", "stonecutters-like", "emerson-like"]
-    assert [site["name"] for site in sites] == names
+    pipes = ["straight-vertical", "around", "bend-300", "flange", "clock-obstacle", "planar-cross"]
+    assert [site["name"] for site in sites] == names + pipes
     for entry in (*robots, *sites):
         assert entry["source"]
     for name in names:
