@@ -16,7 +16,7 @@ PAGES = (
     "interference.md",
     "mobility.md",
     "quality.md",
-    "stances.md",
+    pytest.param("stances.md", marks=pytest.mark.long),
 )
 
 

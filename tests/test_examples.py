@@ -9,7 +9,14 @@ import pytest
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+LONG = {"07_stance_chart"}
+
+
+def marked(path: Path) -> object:
+    return pytest.param(path, id=path.stem, marks=[pytest.mark.long] if path.stem in LONG else [])
+
+
+@pytest.mark.parametrize("path", [marked(path) for path in EXAMPLES])
 def test_example(path: Path) -> None:
     run = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stderr

@@ -18,6 +18,8 @@ from steeplejack.design.climber import PRESCRIBED, Comparison, Study, local_clus
 from steeplejack.design.climber import study as module
 from steeplejack.errors import InputError
 
+pytestmark = pytest.mark.long
+
 # 16 chunks of at least 0.1 s on one core, so that a kill falls between two of them.
 STUDY = Study(Comparison(PRESCRIBED, alphas=tuple(np.linspace(-0.5, 0.5, 60).tolist()), step=0.002), 0.95 / 15)
 PROGRAM = """

@@ -13,6 +13,8 @@ from steeplejack.errors import InputError
 from steeplejack.robots.squad import Bay, load_squad
 from steeplejack.worksite import Bridge, load_worksite
 
+pytestmark = pytest.mark.long
+
 UNIT = np.array([np.cos(0.55), np.sin(0.55)])
 ACROSS = np.array([UNIT[1], -UNIT[0]])
 PLACE = 40.0 * UNIT + 6.0 * ACROSS

@@ -10,6 +10,8 @@ from scipy.optimize import linprog
 from steeplejack.design.stances.inner import capacity, least_scale
 from steeplejack.mechanics.cable import capacity_margin
 
+pytestmark = pytest.mark.long
+
 Array = NDArray[np.float64]
 
 

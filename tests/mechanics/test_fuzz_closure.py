@@ -16,6 +16,8 @@ from steeplejack.mechanics.cable import (
     tension_factor,
 )
 
+pytestmark = pytest.mark.long
+
 COUNT = 500
 SHAPES = [(n, m) for n in (3, 6) for m in range(n, n + 5)]
 CHECKED = 40
