@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from command_line import Outcome
 
+pytestmark = pytest.mark.long
+
 Run = Callable[..., Outcome]
 
 REFERENCE: dict[str, Any] = tomllib.loads(

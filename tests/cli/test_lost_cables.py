@@ -12,6 +12,8 @@ from command_line import Outcome
 
 from steeplejack.planning import Leg, Mission, Request, Waypoint, write
 
+pytestmark = pytest.mark.long
+
 Run = Callable[..., Outcome]
 
 GRID = ("lost-cable", "table-iii", "--phi-deg", "50", "--step-m", "0.1", "--mass-kg", "30")

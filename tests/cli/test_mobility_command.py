@@ -56,8 +56,8 @@ def test_a_person_gets_every_route(steeplejack: Run) -> None:
 
 
 REFUSED = {
-    "dimension of nothing": (["--dims", "0.1", "0", "0.075", "0.075"], ("--dims", "above 0 m")),
-    "dimension of no number": (["--dims", "0.1", "nan", "0.075", "0.075"], ("above 0 m",)),
+    "dimension of nothing": (["--dims", "0.1", "0", "0.075", "0.075"], ("--dims", "four finite lengths")),
+    "dimension of no number": (["--dims", "0.1", "nan", "0.075", "0.075"], ("four finite lengths",)),
     "three dimensions": (["--dims", "0.1", "0.1", "0.075"], ("--dims",)),
     "unknown convention": (["--convention", "figure"], ("--convention",)),
     "unknown end": (["--fixed", "both"], ("--fixed",)),

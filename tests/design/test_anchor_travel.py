@@ -25,6 +25,8 @@ from steeplejack.design.anchors.worth import GRIPPED, worth, worth_of
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import planar_structure_matrix, tension_factor
 
+pytestmark = pytest.mark.long
+
 TENSION_FACTOR = Duty()
 SLIP = Duty("slip-margin", 8.0, (10.0, 250.0), (0.0, -9.81), 245.25, 147.15)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from steeplejack.design.charts import save_figure
 from steeplejack.design.charts.climber import (
     chart_figure,
@@ -22,6 +24,8 @@ from steeplejack.design.climber import (
     transmission_map,
 )
 from steeplejack.robots.pipe_climber import Layout
+
+pytestmark = pytest.mark.long
 
 LAYOUT = Layout((0.100, 0.100, 0.075, 0.075), neutral="home")
 

@@ -33,6 +33,8 @@ from steeplejack.design.climber import (
 )
 from steeplejack.errors import InputError
 
+pytestmark = pytest.mark.long
+
 REFERENCE: dict[str, Any] = tomllib.loads(
     (Path(__file__).parents[1] / "reference" / "pipe_climber_design.toml").read_text()
 )

@@ -26,6 +26,8 @@ from steeplejack.robots.pipe_climber import Layout
 from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
 from steeplejack.robots.pipe_climber.jacobian import jacobian
 
+pytestmark = pytest.mark.long
+
 REFERENCE: dict[str, Any] = tomllib.loads(
     (Path(__file__).parents[1] / "reference" / "pipe_climber_design.toml").read_text()
 )

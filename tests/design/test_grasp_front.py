@@ -10,6 +10,8 @@ from steeplejack.design.charts import grasp_figure, save_figure
 from steeplejack.design.grasps import GraspRegion, best_grasp, grasp_front
 from steeplejack.errors import InfeasibleError, InputError
 
+pytestmark = pytest.mark.long
+
 
 def test_every_point_is_the_exact_optimum_within_its_distance(reference):
     question = track_question(reference)

@@ -12,6 +12,8 @@ from steeplejack.mechanics.cable.region.boundary import certified_rays, closure_
 from steeplejack.mechanics.cable.region.certified import Label, certify
 from steeplejack.mechanics.cable.region.facets import planar_facets, spatial_facets
 
+pytestmark = pytest.mark.long
+
 WRENCH, WINDOW = np.array([0.0, -30.0 * 9.81, 0.0]), (10.0, 250.0)
 TILTED = rotations(np.array([[0.05, 0.1, -0.08]]))[0]
 

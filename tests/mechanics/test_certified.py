@@ -24,6 +24,8 @@ from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import planar_facets, spatial_facets
 from steeplejack.mechanics.cable.region.rounding import stored_rounding
 
+pytestmark = pytest.mark.long
+
 SAMPLES = 100_000
 WRENCH, WINDOW = np.array([0.0, -30.0 * 9.81, 0.0]), (10.0, 250.0)
 TILTED = rotations(np.array([[0.05, 0.1, -0.08]]))[0]

@@ -21,6 +21,8 @@ from steeplejack.mechanics.cable import (
 )
 from steeplejack.mechanics.cable.wrench.hyperplanes import factors_each
 
+pytestmark = pytest.mark.long
+
 
 def structures_of(robot, rng, count):
     poses = robot.poses(rng, count)

@@ -18,6 +18,8 @@ from steeplejack.mechanics.cable import (
 )
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 
+pytestmark = pytest.mark.long
+
 SWEEP = np.concatenate((-(10.0 ** np.linspace(-1, -14, 105)), [0.0], 10.0 ** np.linspace(-14, -1, 105)))
 """Distances from the singular pose, both sides of it; eight a decade."""
 SHAPES = [(3, 4), (3, 5), (3, 6), (6, 7), (6, 8), (6, 9)]

@@ -27,6 +27,8 @@ from steeplejack.mechanics.cable.measure.slopes import capacity_margin_slope, ma
 from steeplejack.mechanics.cable.wrench.feasibility import capacity_margin
 from steeplejack.robots.cable_robot import load_cable_robot
 
+pytestmark = pytest.mark.long
+
 PLANAR = ("ccrobot-s-planar", "planar-4-4", "kntu-planar")
 SPATIAL = ("ipanema-2", "cogiro")
 EVERY = (*PLANAR, *SPATIAL, *(f"{name} over pulleys" for name in (*PLANAR, *SPATIAL)))

@@ -15,6 +15,8 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import METHODS, DistributionStatus, certificate_gap, distribute, tension_polygon
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 
+pytestmark = pytest.mark.long
+
 COMPLETE = [name for name, record in METHODS.items() if record.complete]
 SHAPES = [(3, 4), (6, 7), (3, 5), (6, 8), (3, 6), (6, 10)]
 

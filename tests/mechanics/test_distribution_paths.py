@@ -9,6 +9,8 @@ from tension_questions import drawn
 
 from steeplejack.mechanics.cable import METHODS, distribute, planar_structure_matrix, spatial_structure_matrix
 
+pytestmark = pytest.mark.long
+
 NODES = 500
 HALVINGS = 25
 ROOM = 1e-3  # [1] margin below which a path is not followed: there the feasible set itself may vanish

@@ -9,6 +9,8 @@ from tension_questions import balanced_by
 
 from steeplejack.mechanics.cable import METHODS, DistributionStatus, certificate_gap, distribute, wrench_feasible
 
+pytestmark = pytest.mark.long
+
 BAND = 1e-3  # [N] excess below which the solver's own rounding may decide; the narrow windows are 1 N wide or more
 SHAPES = [(3, 4), (3, 5), (3, 6), (6, 7), (6, 8), (6, 9)]
 

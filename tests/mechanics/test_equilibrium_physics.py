@@ -12,6 +12,8 @@ from hanging import Hanging, hanging
 from steeplejack.mechanics.cable import Rest, natural_frequencies, settle
 from steeplejack.mechanics.cable.rest.modes import spatial_mass_matrix
 
+pytestmark = pytest.mark.long
+
 mujoco: Any = importlib.import_module("mujoco")
 
 CASES = range(50)

@@ -18,6 +18,8 @@ from steeplejack.mechanics.cable.pose.bounds import enclose
 from steeplejack.mechanics.cable.pose.every_pose import _angles, _rotations
 from steeplejack.spatial import from_vector
 
+pytestmark = pytest.mark.long
+
 CORNERS = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])
 ANCHORS = np.array([[4.0 * x, 3.0 * y, z] for z in (5.0, 1.0) for x, y in CORNERS])  # IPAnema 2
 UPPER, LOWER = ((0.65, 0.125, 0.25), (0.75, 0.1, 0.75))

@@ -20,6 +20,8 @@ from steeplejack.mechanics.cable.region.interference import (
     platform_overlap,
 )
 
+pytestmark = pytest.mark.long
+
 TILTED, TURNED = rotations(np.array([[0.05, 0.1, -0.08], [0.3, -0.2, 0.6]]))
 STAYS = np.array(
     [

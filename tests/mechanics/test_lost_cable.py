@@ -23,6 +23,8 @@ from steeplejack.mechanics.cable import (
     spatial_structure_matrix,
 )
 
+pytestmark = pytest.mark.long
+
 WEIGHT = (0.0, -30.0 * 9.81)
 
 

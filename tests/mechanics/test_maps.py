@@ -25,6 +25,8 @@ from steeplejack.mechanics.cable import (
     wrench_feasible,
 )
 
+pytestmark = pytest.mark.long
+
 
 def planar_robot(rng, cables):
     turn = np.sort(rng.uniform(0.0, 2.0 * np.pi, cables))

@@ -35,6 +35,8 @@ from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
 from steeplejack.robots.pipe_climber.mechanism import parallel_mechanism, rcm_linkage, whole_robot
 from steeplejack.spatial.rotation import from_vector, to_vector
 
+pytestmark = pytest.mark.long
+
 Array = NDArray[np.float64]
 
 REFERENCE: dict[str, dict[str, Any]] = tomllib.loads(

@@ -12,6 +12,8 @@ from steeplejack.mechanics.cable import characteristic_length
 from steeplejack.mechanics.cable.measure.quality import condition_number, dexterity, normalised_structure
 from steeplejack.robots.cable_robot import load_cable_robot
 
+pytestmark = pytest.mark.long
+
 
 def test_closed_form_of_a_symmetric_planar_robot():
     """Directions (+-1, +-1)/sqrt 2 at arms of length b, moments +-c: singular values sqrt 2, sqrt 2 and 2 c / L."""
