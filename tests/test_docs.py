@@ -10,7 +10,7 @@ PAGES = (
     "wrench-closure.md",
     "workspaces.md",
     "cable-robots.md",
-    "anchors-along-a-path.md",
+    pytest.param("anchors-along-a-path.md", marks=pytest.mark.long),
     "anchors.md",
     "grasps.md",
     "interference.md",

@@ -109,6 +109,7 @@ def test_the_whole_job(inspection: Run) -> None:
     assert answer["real_time_factor"] > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("worksite", [REAL, "russky-like"])
 def test_the_same_command_on_other_bridges(tmp_path: Path, worksite: str) -> None:
     """Three metres of a real bridge's leaning, curved plane, and of one of which little is known."""

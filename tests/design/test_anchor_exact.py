@@ -117,6 +117,7 @@ def test_infeasible_windows_say_which_limit_binds(reference):
     assert optimal_anchors(replace(one, windows=widened)).status[0] == AnchorStatus.INFEASIBLE
 
 
+@pytest.mark.long
 def test_a_curve_of_optima_is_resolved_by_the_least_driving(reference):
     problem = replace(table_iii(reference, (1, 2, 3, 4), 0.2), poses=[[-0.23, 0.55, np.deg2rad(50.0)]])
     answer = optimal_anchors(problem)
