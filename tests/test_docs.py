@@ -8,8 +8,8 @@ import pytest
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = (
     "wrench-closure.md",
-    "workspaces.md",
-    "cable-robots.md",
+    pytest.param("workspaces.md", marks=pytest.mark.long),
+    pytest.param("cable-robots.md", marks=pytest.mark.long),
     pytest.param("anchors-along-a-path.md", marks=pytest.mark.long),
     "anchors.md",
     "grasps.md",

@@ -20,6 +20,8 @@ from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_m
 from steeplejack.mechanics.cable.rest.potential import bounded_step, evaluate
 from steeplejack.spatial import from_vector
 
+pytestmark = pytest.mark.long
+
 SEEDS = range(12)
 
 

@@ -172,6 +172,7 @@ def test_planar_and_spatial_poses_are_not_mixed_up():
         load_cable_robot("kntu-planar").lengths([0.0, 0.0, 0.0], np.eye(3))
 
 
+@pytest.mark.long
 def test_locked_winches_leave_the_platform_where_it_hangs():
     """CoGiRo hung on tensions that balance it settles where it is, and without a cable its weight sinks."""
     robot, gravity, place, turn = load_cable_robot("cogiro"), [0.0, 0.0, -9.81], [0.5, -0.3, 2.0], np.eye(3)
