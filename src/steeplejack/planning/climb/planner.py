@@ -157,7 +157,7 @@ def _start_state(lattice: Lattice) -> int | None:
     lower, upper = lattice.lower, lattice.upper
     clock = int(np.argmin(np.abs((lattice.clocks - run.start_clock + np.pi) % (2.0 * np.pi) - np.pi)))
     at_start = (lower.pipe[pairs[:, 0]] == 0) & (np.abs(lower.s[pairs[:, 0]] - run.start_s) < 1e-9)
-    good = at_start & lower.holds[pairs[:, 0]] & lower.holds[pairs[:, 0]] & upper.holds[pairs[:, 1]]
+    good = at_start & lower.holds[pairs[:, 0]] & upper.holds[pairs[:, 1]]
     fits = (joined.coaxial[:, None] | (lattice.sides == clock)) & joined.allowed
     good &= fits.any(axis=1) & (upper.pipe[pairs[:, 1]] == 0)
     if not good.any():

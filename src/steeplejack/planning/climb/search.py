@@ -21,6 +21,17 @@ Indices = NDArray[np.int64]
 Index = Any
 """An integer that numba takes from an array; the checker sees an array."""
 
+Poses = tuple[Flags, Indices, Flags, Array]
+"""coaxial, sides, allowed and lengths, as `shortest_times` takes them."""
+Net = tuple[Indices, Indices, Indices, Indices]
+"""pairs, ahead, behind and middles."""
+Clocks = tuple[Indices, Array]
+"""near and turns."""
+Pace = tuple[float, float, float, float]
+"""speed, turn_speed, ramp and grip."""
+Heap = Any
+"""List of times and states still to look at; the checker cannot tell the integers apart."""
+
 
 @njit(cache=True)
 def shortest_times(
@@ -63,98 +74,115 @@ def shortest_times(
     Returns:
         Times (states,), the state before each (-1 for none), and the goal state reached or -1.
     """
-    count, spread = near.shape[0], near.shape[1]
-    times = np.full(pairs.shape[0] * count * spread, np.inf)
+    times = np.full(pairs.shape[0] * near.shape[0] * near.shape[1], np.inf)
     before = np.full(times.shape[0], -1, dtype=np.int64)
     done = np.zeros(times.shape[0], dtype=np.bool_)
-    heap = [(0.0, np.int64(-1))]
+    poses, net, clocks = (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns)
+    pace, every = (speed, turn_speed, ramp, grip), np.arange(pairs.shape[0])
+    heap: Heap = [(0.0, np.int64(-1))]
     heap.pop()
     for state in start:
         times[state] = 0.0
         heapq.heappush(heap, (0.0, state))
     while len(heap) > 0:
-        time, state = heapq.heappop(heap)
+        _time, state = heapq.heappop(heap)
         if done[state]:
             continue
         done[state] = True
-        pair = state // (count * spread)
-        if goal[pair]:
+        if goal[state // (near.shape[0] * near.shape[1])]:
             return times, before, state
-        upper_clock = (state // spread) % count
-        lower_clock = near[upper_clock, state % spread]
-        for gripper in range(2):  # 0: the upper one moves, 1: the lower one
-            own_clock = upper_clock if gripper == 0 else lower_clock
-            for way in range(2):
-                here, travelled = pair, 0.0
-                while True:
-                    place = pairs[here, 1] if gripper == 0 else pairs[here, 0]
-                    free = passes_upper[place] if gripper == 0 else passes_lower[place]
-                    if not free[own_clock, 0]:
-                        break
-                    if (holds_upper[place] if gripper == 0 else holds_lower[place]) and (way == 0 or here != pair):
-                        for b in range(spread):
-                            clock = near[own_clock, b]
-                            if clock < 0 or (here == pair and b == 0):
-                                continue
-                            if gripper == 0 and b > 0 and not (coaxial[pair] and coaxial[here]):
-                                continue
-                            new_upper = clock if gripper == 0 else upper_clock
-                            new_lower = lower_clock if gripper == 0 else clock
-                            slot = _slot(near, new_upper, new_lower)
-                            if slot < 0 or not free[own_clock, b]:
-                                continue
-                            if b > 0 and not _clear(
-                                passes_upper if gripper == 0 else passes_lower, pairs, ahead, behind,
-                                pair, here, gripper, way, own_clock, b,
-                            ):  # fmt: skip
-                                continue
-                            reached = (here * count + new_upper) * spread + slot
-                            needed = max(travelled / speed, abs(turns[own_clock, b]) / turn_speed)
-                            total = time + grip + _rest_to_rest(needed, ramp)
-                            if total < times[reached] - 1e-12:
-                                times[reached], before[reached] = total, state
-                                heapq.heappush(heap, (total, np.int64(reached)))
-                    following = ahead[here, gripper] if way == 0 else behind[here, gripper]
-                    if following < 0:
-                        break
-                    cell = here if way == 0 else following
-                    if not _between(middles, cell, gripper, upper_clock):
-                        break
-                    to = _side(coaxial, sides, allowed, following, upper_clock)
-                    if to < 0:
-                        break
-                    at = _side(coaxial, sides, allowed, here, upper_clock)
-                    travelled += _travel(lengths, here, at, following, to)
-                    here = following
-            at = _side(coaxial, sides, allowed, pair, upper_clock)
-            first, last = (
-                (rows[pairs[pair, 0]], rows[pairs[pair, 0] + 1])
-                if gripper == 0
-                else (columns[pairs[pair, 1]], columns[pairs[pair, 1] + 1])
-            )
-            for index in range(first, last):
-                other = index if gripper == 0 else order[index]
-                mine, theirs = (1, 1) if gripper == 0 else (0, 0)
-                place, target = pairs[pair, mine], pairs[other, theirs]
-                pipes = pipe_upper if gripper == 0 else pipe_lower
-                if pipes[place] == pipes[target]:
-                    continue
-                if not (holds_upper[target] if gripper == 0 else holds_lower[target]):
-                    continue
-                free_here = passes_upper[place] if gripper == 0 else passes_lower[place]
-                free_there = passes_upper[target] if gripper == 0 else passes_lower[target]
-                if not (free_here[own_clock, 0] and free_there[own_clock, 0]):
-                    continue
-                to = _side(coaxial, sides, allowed, other, upper_clock)
-                if to < 0 or _forbidden(banned, pair, other):
-                    continue
-                slot = _slot(near, upper_clock, lower_clock)
-                reached = (other * count + upper_clock) * spread + slot
-                total = time + grip + _rest_to_rest(_travel(lengths, pair, at, other, to) / speed, ramp)
-                if total < times[reached] - 1e-12:
-                    times[reached], before[reached] = total, state
-                    heapq.heappush(heap, (total, np.int64(reached)))
+        for way in range(2):
+            _along(state, 0, way, poses, net, clocks, pace, holds_upper, passes_upper, times, before, heap)
+            _along(state, 1, way, poses, net, clocks, pace, holds_lower, passes_lower, times, before, heap)
+        at = pairs[state // (near.shape[0] * near.shape[1])]
+        _across(
+            state, 0, every[rows[at[0]] : rows[at[0] + 1]], poses, net, clocks, pace, holds_upper, passes_upper,
+            pipe_upper, banned, times, before, heap,
+        )  # fmt: skip
+        _across(
+            state, 1, order[columns[at[1]] : columns[at[1] + 1]], poses, net, clocks, pace, holds_lower, passes_lower,
+            pipe_lower, banned, times, before, heap,
+        )  # fmt: skip
     return times, before, -1
+
+
+@njit(cache=True)
+def _along(
+    state: Index, gripper: int, way: int, poses: Poses, net: Net, clocks: Clocks, pace: Pace,
+    holds: Flags, passes: Flags, times: Array, before: Indices, heap: Heap,
+) -> None:  # fmt: skip
+    """Offer the states one gripper (0 upper, 1 lower) reaches along its pipe, turning on the way if it likes."""
+    (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns) = poses, net, clocks
+    pair, upper, lower = _parts(state, near)
+    own, here, travelled, column = upper if gripper == 0 else lower, pair, 0.0, 1 - gripper
+    while passes[pairs[here, column], own, 0]:
+        if holds[pairs[here, column]] and (way == 0 or here != pair):
+            for b in range(near.shape[1]):
+                clock = near[own, b]
+                if clock < 0 or (here == pair and b == 0) or not passes[pairs[here, column], own, b]:
+                    continue
+                if b > 0 and gripper == 0 and not (coaxial[pair] and coaxial[here]):
+                    continue
+                if b > 0 and not _clear(passes, pairs, ahead, behind, pair, here, gripper, way, own, b):
+                    continue
+                needed = max(travelled / pace[0], abs(turns[own, b]) / pace[1])
+                new_upper, new_lower = (clock, lower) if gripper == 0 else (upper, clock)
+                _offer(state, here, new_upper, new_lower, needed, near, pace, times, before, heap)
+        following = ahead[here, gripper] if way == 0 else behind[here, gripper]
+        if following < 0 or not _between(middles, here if way == 0 else following, gripper, upper):
+            return
+        to = _side(coaxial, sides, allowed, following, upper)
+        if to < 0:
+            return
+        travelled += _travel(lengths, here, _side(coaxial, sides, allowed, here, upper), following, to)
+        here = following
+
+
+@njit(cache=True)
+def _across(
+    state: Index, gripper: int, others: Indices, poses: Poses, net: Net, clocks: Clocks, pace: Pace,
+    holds: Flags, passes: Flags, pipes: Indices, banned: Indices, times: Array, before: Indices, heap: Heap,
+) -> None:  # fmt: skip
+    """Offer the states one gripper (0 upper, 1 lower) reaches on other pipes, the other one kept in place."""
+    (coaxial, sides, allowed, lengths), pairs, near = poses, net[0], clocks[0]
+    pair, upper, lower = _parts(state, near)
+    own, column = upper if gripper == 0 else lower, 1 - gripper
+    place, at = pairs[pair, column], _side(coaxial, sides, allowed, pair, upper)
+    for other in others:
+        target = pairs[other, column]
+        if pipes[place] == pipes[target] or not holds[target]:
+            continue
+        if not (passes[place, own, 0] and passes[target, own, 0]):
+            continue
+        to = _side(coaxial, sides, allowed, other, upper)
+        if to < 0 or _forbidden(banned, pair, other):
+            continue
+        needed = _travel(lengths, pair, at, other, to) / pace[0]
+        _offer(state, other, upper, lower, needed, near, pace, times, before, heap)
+
+
+@njit(cache=True)
+def _parts(state: Index, near: Indices) -> tuple[Index, Index, Index]:
+    """Pair and clocks of the upper and the lower gripper of a state."""
+    count, spread = near.shape
+    upper = (state // spread) % count
+    return state // (count * spread), upper, near[upper, state % spread]
+
+
+@njit(cache=True)
+def _offer(
+    state: Index, pair: Index, upper: Index, lower: Index, needed: float, near: Indices, pace: Pace,
+    times: Array, before: Indices, heap: Heap,
+) -> None:  # fmt: skip
+    """Keep a way to a pair and clocks if it is the fastest yet."""
+    slot = _slot(near, upper, lower)
+    if slot < 0:
+        return
+    reached = (pair * near.shape[0] + upper) * near.shape[1] + slot
+    total = times[state] + pace[3] + _rest_to_rest(needed, pace[2])
+    if total < times[reached] - 1e-12:
+        times[reached], before[reached] = total, state
+        heapq.heappush(heap, (total, np.int64(reached)))
 
 
 @njit(cache=True)
