@@ -128,7 +128,7 @@ def _least_determinant(
             top = bounds[design, 1] + min(p[0] * sin, p[1] * sin, p[2] * sin)
             for r in range(max(0, math.ceil(top / step - 0.5))):
                 w = (r + 0.5) * step
-                pieces = intervals(w, alpha, cos, sin, b, p, bounds[design], neutral[design], ends)
+                pieces = intervals(w, (alpha, cos, sin), (b, p, bounds[design], neutral[design]), ends)
                 for piece in range(pieces):
                     first, past = cell_span(ends[2 * piece], ends[2 * piece + 1], step)
                     for k in range(first, past):

@@ -21,6 +21,8 @@ from steeplejack.robots.pipe_climber.singularity import is_degenerate
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Turn = tuple[float, float, float]
+Arrays = tuple[Array, Array, Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ class Limits:
         return cls(layout.base, layout.platform, bounds, neutral)
 
     @property
-    def arrays(self) -> tuple[Array, Array, Array, Array]:
+    def arrays(self) -> Arrays:
         """What kernels take after the pose."""
         return self.base, self.platform, self.bounds, self.neutral
 
@@ -96,18 +98,16 @@ def determinant(x: float, w: float, cos: float, sin: float, base: Array, platfor
 
 
 @njit(cache=True, error_model="numpy")
-def holds(
-    x: float,
-    w: float,
-    alpha: float,
-    cos: float,
-    sin: float,
-    base: Array,
-    platform: Array,
-    bounds: Array,
-    neutral: Array,
-) -> bool:
-    """Whether the mechanism can take a pose; bounds included, the singular surface not."""
+def holds(x: float, w: float, turn: Turn, limits: Arrays) -> bool:
+    """Whether the mechanism can take a pose; bounds included, the singular surface not.
+
+    Args:
+        x: [m].
+        w: [m].
+        turn: alpha [rad], its cosine and its sine.
+        limits: `Limits.arrays`.
+    """
+    (alpha, cos, sin), (base, platform, bounds, neutral) = turn, limits
     if not w > 0.0:
         return False
     least, largest = bounds[0] * bounds[0], bounds[1] * bounds[1]
@@ -134,11 +134,9 @@ def turned(angle: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def holds_grid(
-    xs: Array, ws: Array, alpha: float, base: Array, platform: Array, bounds: Array, neutral: Array, inside: Flags
-) -> None:
+def holds_grid(xs: Array, ws: Array, alpha: float, limits: Arrays, inside: Flags) -> None:
     """``holds`` over a grid at one orientation; fills ``inside``, (n of w, m of x)."""
-    cos, sin = math.cos(alpha), math.sin(alpha)
+    turn = (alpha, math.cos(alpha), math.sin(alpha))
     for r in range(ws.size):
         for k in range(xs.size):
-            inside[r, k] = holds(xs[k], ws[r], alpha, cos, sin, base, platform, bounds, neutral)
+            inside[r, k] = holds(xs[k], ws[r], turn, limits)

@@ -119,5 +119,5 @@ def _over_workspace(layout: Layout, step: float, alpha: float, moving: Moving) -
 def reached(layout: Layout, x: Array, w: Array, alpha: float) -> NDArray[np.bool_]:
     """Whether the mechanism can take the poses of a grid, (n, m): arguments of `transmission_grid`."""
     inside = np.empty((w.size, x.size), dtype=np.bool_)
-    holds_grid(x, w, float(alpha), *Limits.of(layout).arrays, inside)
+    holds_grid(x, w, float(alpha), Limits.of(layout).arrays, inside)
     return inside

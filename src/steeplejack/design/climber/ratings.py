@@ -182,9 +182,8 @@ def _over_workspaces(
             lowest = min(platform[design, 0] * sin, platform[design, 1] * sin, platform[design, 2] * sin)
             for r in range(max(0, math.ceil((bounds[design, 1] + lowest) / step - 0.5))):
                 w = (r + 0.5) * step
-                pieces = intervals(
-                    w, alpha, cos, sin, base[design], platform[design], bounds[design], neutral[design], ends
-                )
+                limits = (base[design], platform[design], bounds[design], neutral[design])
+                pieces = intervals(w, (alpha, cos, sin), limits, ends)
                 for piece in range(pieces):
                     first, past = cell_span(ends[2 * piece], ends[2 * piece + 1], step)
                     if past <= first:

@@ -74,7 +74,7 @@ def workspace_area(layout: Layout, alpha: float = 0.0) -> float:
     Raises:
         InputError: An orientation that is not finite.
     """
-    return float(strip_area(_angle(alpha), *Limits.of(layout).arrays, TOLERANCE))
+    return float(strip_area(_angle(alpha), Limits.of(layout).arrays, TOLERANCE))
 
 
 def workspace_cells(layout: Layout, alpha: ArrayLike, step: float) -> NDArray[np.int64]:
@@ -158,7 +158,7 @@ def strips(layout: Layout, w: ArrayLike, alpha: float = 0.0) -> list[Array]:
     found: list[Array] = []
     for height in np.atleast_1d(np.asarray(w, dtype=np.float64)).tolist():
         ends = np.empty(MOST_ENDS)
-        pieces = int(intervals(height, angle, math.cos(angle), math.sin(angle), *limits, ends))
+        pieces = int(intervals(height, (angle, math.cos(angle), math.sin(angle)), limits, ends))
         found.append(ends[: 2 * pieces].reshape(-1, 2).copy())
     return found
 
@@ -177,16 +177,16 @@ def require_poses(layout: Layout, alpha: float) -> float:
         InfeasibleError: No pose at that orientation; names the limit without which there would be some.
     """
     limits, angle = Limits.of(layout), _angle(alpha)
-    area = float(strip_area(angle, *limits.arrays, TOLERANCE))
+    area = float(strip_area(angle, limits.arrays, TOLERANCE))
     if area > 0.0:
         return area
     free = limits.without_hinges()
     least, largest = layout.reach
     if math.isnan(limits.bounds[3]):
         binding = "parallel platforms are singular at every pose of these dimensions: they have no working mode"
-    elif strip_area(angle, *free.arrays, TOLERANCE) > 0.0:
+    elif strip_area(angle, free.arrays, TOLERANCE) > 0.0:
         binding = f"joint limits of {math.degrees(layout.joint_limit):g} deg counted from {layout.neutral!r}"
-    elif strip_area(angle, *free.either_mode().arrays, TOLERANCE) > 0.0:
+    elif strip_area(angle, free.either_mode().arrays, TOLERANCE) > 0.0:
         binding = "singular surface: what the lengths allow lies beyond it, in another assembly mode"
     else:
         binding = f"limb lengths of {least:g} to {largest:g} m"

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from steeplejack.design.climber.limits import determinant, holds
+from steeplejack.design.climber.limits import Arrays, Turn, determinant, holds
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -31,40 +31,25 @@ DEPTH = 40  # of halving
 
 
 @njit(cache=True, error_model="numpy")
-def intervals(
-    w: float,
-    alpha: float,
-    cos: float,
-    sin: float,
-    base: Array,
-    platform: Array,
-    bounds: Array,
-    neutral: Array,
-    ends: Array,
-) -> int:
+def intervals(w: float, turn: Turn, limits: Arrays, ends: Array) -> int:
     """Intervals of x reached at one w and alpha.
 
     Args:
         w: [m].
-        alpha: [rad].
-        cos: Of alpha.
-        sin: Of alpha.
-        base: And the next three, see `Limits`.
-        platform: ...
-        bounds: ...
-        neutral: ...
+        turn: alpha [rad], its cosine and its sine.
+        limits: `Limits.arrays`.
         ends: (MOST_ENDS,), filled with lower and upper ends in turn, ascending [m].
 
     Returns:
         How many intervals.
     """
-    count = _candidates(w, alpha, cos, sin, base, platform, bounds, neutral, ends)
+    count = _candidates(w, turn, limits, ends)
     pieces, inside = 0, False
     for k in range(count - 1):
         low, high = ends[k], ends[k + 1]
         if not high > low:
             continue
-        if holds(0.5 * (low + high), w, alpha, cos, sin, base, platform, bounds, neutral):
+        if holds(0.5 * (low + high), w, turn, limits):
             # Written behind what has been read: 2 pieces + 1 <= k + 1.
             if not inside:
                 ends[2 * pieces] = low
@@ -77,18 +62,9 @@ def intervals(
 
 
 @njit(cache=True, error_model="numpy")
-def _candidates(
-    w: float,
-    alpha: float,
-    cos: float,
-    sin: float,
-    base: Array,
-    platform: Array,
-    bounds: Array,
-    neutral: Array,
-    ends: Array,
-) -> int:
+def _candidates(w: float, turn: Turn, limits: Arrays, ends: Array) -> int:
     """Places along x where a limit changes sides, ascending, between the ends that the largest lengths leave."""
+    (alpha, cos, sin), (base, platform, bounds, neutral) = turn, limits
     if not w > 0.0:
         return 0
     left, right, count = -np.inf, np.inf, 0
@@ -127,19 +103,9 @@ def _candidates(
 
 
 @njit(cache=True, error_model="numpy")
-def strip_length(
-    w: float,
-    alpha: float,
-    cos: float,
-    sin: float,
-    base: Array,
-    platform: Array,
-    bounds: Array,
-    neutral: Array,
-    ends: Array,
-) -> float:
+def strip_length(w: float, turn: Turn, limits: Arrays, ends: Array) -> float:
     """Length of the set of x reached at one w and alpha [m]."""
-    pieces = intervals(w, alpha, cos, sin, base, platform, bounds, neutral, ends)
+    pieces = intervals(w, turn, limits, ends)
     total = 0.0
     for k in range(pieces):
         total += ends[2 * k + 1] - ends[2 * k]
@@ -147,55 +113,40 @@ def strip_length(
 
 
 @njit(cache=True, error_model="numpy")
-def _panel(
-    low: float,
-    high: float,
-    alpha: float,
-    cos: float,
-    sin: float,
-    base: Array,
-    platform: Array,
-    bounds: Array,
-    neutral: Array,
-    ends: Array,
-) -> float:
+def _panel(low: float, high: float, turn: Turn, limits: Arrays, ends: Array) -> float:
     """Gauss-Legendre rule for the strip lengths from ``low`` to ``high`` [m2]."""
     middle, half, total = 0.5 * (low + high), 0.5 * (high - low), 0.0
     for k in range(NODES.size):
         w = middle + half * NODES[k]
-        total += WEIGHTS[k] * strip_length(w, alpha, cos, sin, base, platform, bounds, neutral, ends)
+        total += WEIGHTS[k] * strip_length(w, turn, limits, ends)
     return half * total
 
 
 @njit(cache=True, error_model="numpy")
-def strip_area(alpha: float, base: Array, platform: Array, bounds: Array, neutral: Array, tolerance: float) -> float:
+def strip_area(alpha: float, limits: Arrays, tolerance: float) -> float:
     """Area reached at one orientation, by strips [m2].
 
     Args:
         alpha: [rad].
-        base: And the next three, see `Limits`.
-        platform: ...
-        bounds: ...
-        neutral: ...
+        limits: `Limits.arrays`.
         tolerance: Change, relative to the square of the largest length, below which a panel is not halved again.
     """
-    cos, sin = math.cos(alpha), math.sin(alpha)
-    largest = bounds[1]
-    top = largest + min(platform[0] * sin, platform[1] * sin, platform[2] * sin)
+    turn, platform, largest = (alpha, math.cos(alpha), math.sin(alpha)), limits[1], limits[2][1]
+    top = largest + min(platform[0] * turn[2], platform[1] * turn[2], platform[2] * turn[2])
     if not top > 0.0:
         return 0.0
     ends, stack = np.empty(MOST_ENDS), np.empty((DEPTH + 2, 4))
     total, enough = 0.0, tolerance * largest * largest
     for panel in range(PANELS):
         low, high = top * panel / PANELS, top * (panel + 1) / PANELS
-        stack[0] = (low, high, _panel(low, high, alpha, cos, sin, base, platform, bounds, neutral, ends), 0.0)
+        stack[0] = (low, high, _panel(low, high, turn, limits, ends), 0.0)
         left = 1
         while left > 0:
             left -= 1
             low, high, whole, depth = stack[left, 0], stack[left, 1], stack[left, 2], stack[left, 3]
             middle = 0.5 * (low + high)
-            first = _panel(low, middle, alpha, cos, sin, base, platform, bounds, neutral, ends)
-            second = _panel(middle, high, alpha, cos, sin, base, platform, bounds, neutral, ends)
+            first = _panel(low, middle, turn, limits, ends)
+            second = _panel(middle, high, turn, limits, ends)
             if abs(first + second - whole) <= enough or depth >= DEPTH:
                 total += first + second
                 continue
@@ -221,7 +172,7 @@ def count_cells(
         cos, sin, ends, total = math.cos(alpha), math.sin(alpha), np.empty(MOST_ENDS), 0
         top = bounds[1] + min(platform[0] * sin, platform[1] * sin, platform[2] * sin)
         for r in range(max(0, math.ceil(top / step - 0.5))):
-            pieces = intervals((r + 0.5) * step, alpha, cos, sin, base, platform, bounds, neutral, ends)
+            pieces = intervals((r + 0.5) * step, (alpha, cos, sin), (base, platform, bounds, neutral), ends)
             for k in range(pieces):
                 first, past = cell_span(ends[2 * k], ends[2 * k + 1], step)
                 total += max(0, past - first)
@@ -245,8 +196,8 @@ def mark_cells(
         ends, w = np.empty(MOST_ENDS), (first_row + r + 0.5) * step
         for a in range(alphas.size):
             alpha = alphas[a]
-            cos, sin = math.cos(alpha), math.sin(alpha)
-            pieces = intervals(w, alpha, cos, sin, base, platform, bounds, neutral, ends)
+            turn = (alpha, math.cos(alpha), math.sin(alpha))
+            pieces = intervals(w, turn, (base, platform, bounds, neutral), ends)
             for k in range(pieces):
                 first, past = cell_span(ends[2 * k], ends[2 * k + 1], step)
                 for column in range(max(first - first_column, 0), min(past - first_column, counts.shape[1])):

@@ -87,16 +87,8 @@ def stiffness(
         tensions: (m,) [N].
         rates: k_i = EA / L_i (m,) [N/m].
     """
-    out, arm, bend = np.zeros((6, 6)), np.empty(3), np.empty((3, 3))
-    for i in range(attachments.shape[0]):
-        if tensions[i] <= 0.0:
-            continue
-        arm_of(rotation, attachments, i, arm)
-        bent = 1.0 / lengths[i]
-        add_cable(arm, u[i], u[i], bent, bent, tensions[i], rates[i], bend, out)
-    arm_of(rotation, centre.reshape(1, 3), 0, arm)
-    add_turn(1.0, weight, arm, out)
-    return out
+    pulls = np.maximum(tensions, 0.0)
+    return _stiffness(attachments, weight, centre, rotation, u, lengths, pulls, np.where(tensions > 0.0, rates, 0.0))
 
 
 @njit(cache=True, error_model="numpy")
@@ -114,11 +106,20 @@ def tension_stiffness(
         lengths: (m,) [m].
         tensions: (m,) [N]; as measured, so that noise about 0 may make them negative.
     """
+    return _stiffness(attachments, weight, centre, rotation, u, lengths, tensions, np.zeros(tensions.size))
+
+
+@njit(cache=True, error_model="numpy")
+def _stiffness(
+    attachments: Array, weight: Array, centre: Array, rotation: Array, u: Array, lengths: Array, tensions: Array,
+    rates: Array,
+) -> Array:  # fmt: skip
+    """Sum of what the cables and the weight add to the stiffness."""
     out, arm, bend = np.zeros((6, 6)), np.empty(3), np.empty((3, 3))
     for i in range(attachments.shape[0]):
         arm_of(rotation, attachments, i, arm)
         bent = 1.0 / lengths[i]
-        add_cable(arm, u[i], u[i], bent, bent, tensions[i], 0.0, bend, out)
+        add_cable(arm, u[i], u[i], bent, bent, tensions[i], rates[i], bend, out)
     arm_of(rotation, centre.reshape(1, 3), 0, arm)
     add_turn(1.0, weight, arm, out)
     return out
