@@ -38,7 +38,7 @@ from steeplejack.robots.cable_robot import load_cable_robot  # noqa: E402
 COGIRO, IPANEMA = load_cable_robot("cogiro"), load_cable_robot("ipanema-2")
 WEIGHT = gravity_wrench(COGIRO.mass, [0.0, 0.0, -9.81], COGIRO.centre_of_mass)
 HALL = np.array([[-6.5, 6.5], [-4.5, 4.5], [0.0, 4.0]])
-PIECES = 8
+PIECES = 32
 
 
 def positions(piece: int, box: np.ndarray, side: int) -> np.ndarray:

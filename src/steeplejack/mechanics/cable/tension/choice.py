@@ -92,11 +92,11 @@ def distribute_each(
             if r == 1:
                 null = basis.reshape(m)
                 _bracket(null, start, lower, upper, least, most, depth, interval[k])
-                if method != P_NORM and method != IMPROVED:
-                    x[0] = _on_line(method, reference, cost, start, null, lower, upper, depth, interval[k])
+                if method != IMPROVED:
+                    x[0] = _on_line(method, power, reference, cost, start, null, lower, upper, depth, interval[k])
             if r == 2 and method == BARYCENTRE:
                 _middle(start, basis, lower, upper, least, most, depth, chosen, points, labels, x)
-            elif r > 1 or r == 1 and (method == P_NORM or method == IMPROVED):
+            elif r > 1 or r == 1 and method == IMPROVED:
                 _choose(
                     method, power, reference, cost, start, basis, low, high, least, most, weight, depth, chosen,
                     space, active, place, x,
@@ -142,7 +142,7 @@ def _bracket(
 
 @njit(cache=True, error_model="numpy")
 def _on_line(
-    method: int, reference: Array, cost: Array, start: Array, null: Array, lower: Array, upper: Array,
+    method: int, power: float, reference: Array, cost: Array, start: Array, null: Array, lower: Array, upper: Array,
     depth: float, ends: Array,
 ) -> float:  # fmt: skip
     """``lambda`` of the method for one cable too many; between its ``ends`` it is inside the box."""
@@ -153,6 +153,8 @@ def _on_line(
         return line.least_largest(null, start, low, high)
     if method == MIN_NORM:
         return min(max(0.0, low), high)
+    if method == P_NORM:
+        return line.least_power(null, start, reference, power, low, high)
     pull, stretch, middle = 0.0, 0.0, 0.0
     for i in range(null.size):
         pull += cost[i] * null[i] * (1.0 if method == LP else reference[i] - start[i])

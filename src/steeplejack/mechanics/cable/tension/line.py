@@ -18,8 +18,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
+from steeplejack.mechanics.cable.tension.powers import raised
 
 Array = NDArray[np.float64]
+
+MOST_STEPS = 200  # of the search for the least sum of powers; under ten are usual
+SETTLED = 1e-13  # [1] its last step, relative to lambda and the largest distance
 
 
 @njit(cache=True, error_model="numpy")
@@ -108,4 +112,43 @@ def least_largest(null: Array, start: Array, low: float, high: float) -> float:
         if end <= place or end == high:
             return max(end, place)
         place = end
+    return place
+
+
+@njit(cache=True, error_model="numpy")
+def least_power(null: Array, start: Array, reference: Array, power: float, low: float, high: float) -> float:
+    """Lambda in ``[low, high]`` with the least ``sum |f_i - reference_i|^power``, power >= 2.
+
+    The slope of a convex sum rises, and changes sign between the places where the first and the last cable reach their
+    reference: Newton's method, and halving where it leaves the bracket or does not halve it.
+    """
+    first, last, place, stretch = math.inf, -math.inf, 0.0, 0.0
+    for i in range(null.size):
+        if abs(null[i]) > TOLERANCE:
+            reached = (reference[i] - start[i]) / null[i]
+            first, last = min(first, reached), max(last, reached)
+            place += null[i] * null[i] * reached
+            stretch += null[i] * null[i]
+    low, high = min(max(low, first), high), max(min(high, last), low)
+    place, before = min(max(place / stretch, low), high), high - low
+    for _ in range(MOST_STEPS):
+        scale, slope, curve = 0.0, 0.0, 0.0
+        for i in range(null.size):
+            if abs(null[i]) > TOLERANCE:
+                scale = max(scale, abs(start[i] + place * null[i] - reference[i]))
+        if scale == 0.0:
+            return place
+        for i in range(null.size):
+            if abs(null[i]) > TOLERANCE:
+                offset = (start[i] + place * null[i] - reference[i]) / scale
+                share = raised(abs(offset), power - 2.0) * null[i]
+                slope += share * offset
+                curve += share * null[i] * (power - 1.0)
+        low, high = (place, high) if slope < 0.0 else (low, place)
+        step = -scale * slope / curve
+        if not (low < place + step < high and abs(step) <= 0.5 * before):
+            step = 0.5 * (low + high) - place
+        place, before = place + step, abs(step)
+        if before <= SETTLED * (abs(place) + scale):
+            return place
     return place

@@ -19,6 +19,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.tension.powers import raised
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
@@ -261,7 +263,7 @@ def least_power(
         for j in range(r):
             slope[j] = 0.0
         for i in range(m):
-            share = _raised(abs(offset[i]) / scale, power - 2.0)
+            share = raised(abs(offset[i]) / scale, power - 2.0)
             weight[i] = (power - 1.0) * share
             pull = share * offset[i]
             for j in range(r):
@@ -282,26 +284,11 @@ def least_power(
 
 
 @njit(cache=True, error_model="numpy")
-def _raised(share: float, power: float) -> float:
-    """A power of a number that is not negative; whole powers by squaring, several times faster than the general one."""
-    whole = int(power)
-    if whole != power:
-        return share**power
-    result = 1.0
-    while whole > 0:
-        if whole & 1:
-            result *= share
-        share *= share
-        whole >>= 1
-    return result
-
-
-@njit(cache=True, error_model="numpy")
 def _searched(offset: Array, basis: Array, step: Array, power: float, scale: float, fall: float) -> float:
     """Share of a step that lowers the sum of powers enough (Armijo's rule); 0 where rounding hides any progress."""
     before = 0.0
     for i in range(offset.size):
-        before += _raised(abs(offset[i]) / scale, power)
+        before += raised(abs(offset[i]) / scale, power)
     share = 1.0
     for _ in range(40):
         after = 0.0
@@ -309,7 +296,7 @@ def _searched(offset: Array, basis: Array, step: Array, power: float, scale: flo
             value = offset[i]
             for j in range(step.size):
                 value += share * basis[i, j] * step[j]
-            after += _raised(abs(value) / scale, power)
+            after += raised(abs(value) / scale, power)
         if before - after >= 1e-4 * share * power * fall / (scale * scale):
             return share
         share *= 0.5
