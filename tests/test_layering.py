@@ -9,7 +9,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "steeplejack"
 
 # A room may import what stands before it. Rooms of one tier do not import each other, but for what EXTRA allows.
 TIERS = [
-    {"errors", "spatial"},
+    {"errors", "files", "spatial"},
     {"mechanics"},
     {"worksite"},
     {"robots"},
@@ -22,9 +22,10 @@ TIERS = [
 ]
 # The same within the room of cable mechanics: what a part may import beside itself and the ground
 # all of them stand on.
-CABLE_GROUND = {"arguments", "degeneracy", "status", "structure", "pulleys"}
+CABLE_GROUND = {"arguments", "cholesky", "degeneracy", "status", "structure", "pulleys"}
 CABLE = {
     "arguments": set[str](),
+    "cholesky": set[str](),
     "degeneracy": set[str](),
     "status": set[str](),
     "structure": set[str](),
@@ -36,7 +37,7 @@ CABLE = {
     "rest": {"pose"},
     "measure": {"tension", "wrench", "rest"},
 }
-EXTRA = {("planning", "design"), ("spatial", "errors")}
+EXTRA = {("planning", "design"), ("spatial", "errors"), ("files", "errors")}
 LIBRARIES = {
     "mujoco": {"simulation"},
     "matplotlib": {"report", "design/charts"},

@@ -171,7 +171,7 @@ OPTIONS = {
     "no such file": (["check", "nowhere.csv"], ("nowhere.csv", "No such file")),
     "no such robot": (["check", "ecs620-like", "--robot", "nobody"], ("nobody", "ccrobot-s")),
     "a folder for a worksite": (["check", "."], ("worksite .: a folder", ".toml or .csv")),
-    "a folder for a robot": (["check", "ecs620-like", "--robot", "."], ("directory",)),
+    "a folder for a robot": (["check", "ecs620-like", "--robot", "."], ("folder",)),
     "no such log": (["report", "nowhere.mcap"], ("nowhere.mcap", "no such file")),
     "no such command": (["fly"], ("fly",)),
     "no such option": (["check", "ecs620-like", "--colour"], ("--colour",)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
     best_node,
     distribute,
@@ -143,3 +144,53 @@ def test_a_far_anchor_or_a_far_row_does_not_flatten_the_others():
     for ys in ([0.0], [0.0, 1e6]):
         grid = tension_factor_grid(anchors, attachments, 0.05, [0.0], ys)
         assert grid[0, 0] == pytest.approx(general, rel=1e-7)
+
+
+GRID = {"anchors": np.eye(4, 2), "attachments": 0.1 * np.eye(4, 2), "phi": 0.0, "xs": [0.0, 0.1], "ys": [0.2]}
+HELD = {"wrench": [0.0, -9.81, 0.0], "lower": 1.0, "upper": 9.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"anchors": np.eye(5, 2), "attachments": np.eye(5, 2)}, "cables"),
+        ({"attachments": np.eye(3, 2)}, "cables"),
+        ({"anchors": np.full((4, 2), np.nan)}, "anchors"),
+        ({"anchors": "four"}, "anchors"),
+        ({"phi": np.inf}, "phi"),
+        ({"phi": [0.0, 0.1]}, "grid"),
+        ({"xs": [0.0, np.nan]}, "xs"),
+        ({"ys": [[0.0], [1.0]]}, "grid"),
+    ],
+)
+def test_grids_that_mean_nothing_are_refused(changes, where):
+    for question, more in ((tension_factor_grid, {}), (margin_grid, HELD)):
+        with pytest.raises(InputError) as refused:
+            question(**{**GRID, **more, **changes})
+        assert refused.value.where == where
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"lower": 10.0}, "tension limits"),
+        ({"upper": np.inf}, "tension limits"),
+        ({"wrench": [0.0, 1.0]}, "wrench"),
+        ({"pull_limit": 5.0}, "stays"),
+        ({"pull_limit": -5.0, "stays": np.ones((4, 2))}, "pull limit"),
+        ({"pull_limit": [1.0, 2.0], "stays": np.ones((4, 2))}, "pull limit"),
+    ],
+)
+def test_margins_that_mean_nothing_are_refused(changes, where):
+    with pytest.raises(InputError) as refused:
+        margin_grid(**{**GRID, **HELD, **changes})
+    assert refused.value.where == where
+
+
+def test_what_no_grid_is_made_of_is_refused():
+    for ends in ((0.0, np.inf, 0.1), (np.nan, 1.0, 0.1), (0.0, 1.0, 0.0), (0.0, 1.0, -0.1), (0.0, 1.0, np.nan)):
+        with pytest.raises(InputError):
+            grid_nodes(*ends)
+    for out in (np.empty((2, 1)), np.empty((1, 2), np.float32), np.empty((1, 4))[:, ::2]):
+        with pytest.raises(InputError):
+            tension_factor_grid(**GRID, out=out)

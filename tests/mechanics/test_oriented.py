@@ -17,7 +17,7 @@ from steeplejack.mechanics.cable import (
     spatial_feasibility_map,
     spatial_structure_matrix,
 )
-from steeplejack.mechanics.cable.region import witness
+from steeplejack.mechanics.cable.region import models
 from steeplejack.mechanics.cable.region.oriented import (
     certify_orientations,
     certify_poses,
@@ -129,9 +129,9 @@ def test_models_hold_all_over_their_boxes(rng):
             np.zeros((6, 8)),
             np.empty((4, 3)),
         )
-        lever = witness.frame(middle, question.arms, turned)
-        assert witness._models(question.anchors, question.arms, turned, lever, middle, half, columns, inverse)
-        witness._load(question.wrenches[0], question.centre, turned, lever, half, load)
+        lever = models.frame(middle, question.arms, turned)
+        assert models.column_models(question.anchors, question.arms, turned, lever, middle, half, columns, inverse)
+        models.load_models(question.wrenches[0], question.centre, turned, lever, half, load)
         at = middle[:3], rotations(middle[None, 3:])[0]
         lengths = np.linalg.norm(question.anchors - question.arms @ at[1].T - at[0], axis=1)
         for _ in range(200):

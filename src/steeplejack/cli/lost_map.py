@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from steeplejack.cli.terminal import INFEASIBLE, angles, bar, bridge, emit, planar, say, writing
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 from steeplejack.robots.squad import Bay, load_squad
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LARGEST_MISSION = 1 << 26  # [bytes]
 PATIENCE = 2.0  # [s] before a progress bar appears
 
 
@@ -81,9 +83,8 @@ def along_mission(worksite: str, path: Path, cable: int | None) -> Cases:
     from steeplejack.robots.squad.anchorage import exits
     from steeplejack.spatial.rotation import from_quaternion
 
-    if not path.is_file():
-        raise InputError(str(path), "no such file", "a mission written by `steeplejack inspect`")
-    mission, site = decode(path.read_bytes(), str(path)), bridge(worksite)
+    content = read_source(path, "a mission written by `steeplejack inspect`", LARGEST_MISSION)
+    mission, site = decode(content, str(path)), bridge(worksite)
     asked = mission.request
     squad = load_squad(asked.robot)
     bay = Bay.of(site.fan(asked.fan), *asked.stays, asked.face, squad)

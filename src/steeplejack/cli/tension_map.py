@@ -26,6 +26,7 @@ from steeplejack.cli.terminal import (
     writing,
 )
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 from steeplejack.robots.squad import BUILT_IN, load_squad
 from steeplejack.worksite import PlanarSite
 
@@ -36,14 +37,18 @@ if TYPE_CHECKING:
 
 Pair = tuple[float, float]
 
+FOUR = "a text file of four lines X Y in metres"
+
 
 def _anchors(path: Path) -> list[list[float]]:
     """Four anchors X Y in metres, a line each."""
     try:
-        rows = [line.replace(",", " ").split() for line in path.read_text().splitlines() if line.strip()]
+        rows = [
+            line.replace(",", " ").split() for line in read_source(path, FOUR).decode().splitlines() if line.strip()
+        ]
         points = [[float(value) for value in row] for row in rows]
-    except (OSError, ValueError, UnicodeDecodeError) as error:
-        raise InputError(f"--anchors {path}", str(error), "a text file of four lines X Y in metres") from None
+    except ValueError as error:  # of the numbers, or of the encoding
+        raise InputError(f"--anchors {path}", str(error), FOUR) from None
     if [len(point) for point in points] != [2, 2, 2, 2] or not np.isfinite(points).all():
         raise InputError(f"--anchors {path}", f"{len(points)} lines", "four lines X Y of finite metres")
     return points

@@ -14,6 +14,7 @@ from typing import Annotated, TypeVar, cast
 import msgspec
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source, shortened
 
 Machine = TypeVar("Machine", bound=msgspec.Struct)
 
@@ -66,15 +67,8 @@ def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Mach
     if str(robot) == built_in:
         text = files(package).joinpath(file).read_bytes()
     else:
-        try:
-            text = Path(robot).read_bytes()
-        except OSError as error:
-            raise InputError(
-                str(robot), error.strerror or "cannot be read", f"a TOML robot file or {built_in}"
-            ) from None
+        text = read_source(robot, f"a TOML robot file or {built_in}")
     try:
         return msgspec.toml.decode(text, type=kind)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            str(robot), str(error).replace("\n", " "), f"see the built-in {file} for every field"
-        ) from None
+        raise InputError(str(robot), shortened(str(error)), f"see the built-in {file} for every field") from None

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 from steeplejack.worksite.bridge import Bridge
 from steeplejack.worksite.planar import PlanarSite
-from steeplejack.worksite.schedule import read_content, read_schedule
+from steeplejack.worksite.schedule import read_schedule
 from steeplejack.worksite.site import read_site
 from steeplejack.worksite.site_file import decode_site
 
 BUILT_IN = ("table-iii", "ecs620-like", "russky-like", "sutong-like", "stonecutters-like", "emerson-like")
+
+DATA = Path(__file__).parent / "data"
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Listing:
 
 def list_worksites() -> tuple[Listing, ...]:
     """Every built-in worksite with its source."""
-    sites = [decode_site(read_content(_file(name), "a worksite"), name) for name in BUILT_IN]
+    sites = [decode_site(read_source(_file(name), "a worksite"), name) for name in BUILT_IN]
     return tuple(Listing(site.name, site.description, site.source) for site in sites)
 
 
@@ -51,7 +52,7 @@ def load_worksite(worksite: str | Path) -> Bridge | PlanarSite:
         InputError: No such worksite, or a file that cannot be used; the message names the place.
     """
     if str(worksite) in BUILT_IN:
-        return read_site(_file(str(worksite)), _folder())
+        return read_site(_file(str(worksite)), DATA)
     path = Path(worksite)
     if path.suffix.lower() == ".csv":
         return read_schedule(path)
@@ -63,9 +64,5 @@ def load_worksite(worksite: str | Path) -> Bridge | PlanarSite:
     raise InputError(f"worksite {worksite}", "a folder" if path.is_dir() else "no such name", valid)
 
 
-def _folder() -> Traversable:
-    return files("steeplejack.worksite") / "data"
-
-
-def _file(name: str) -> Traversable:
-    return _folder() / f"{name}.toml"
+def _file(name: str) -> Path:
+    return DATA / f"{name}.toml"

@@ -12,11 +12,11 @@ import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Literal, cast
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 from steeplejack.worksite.bridge import Bridge
 from steeplejack.worksite.stay import Stay, with_end_zones
 from steeplejack.worksite.validity import first_fault
@@ -54,28 +54,12 @@ def read_schedule(schedule: str | Path | bytes, name: str | None = None) -> Brid
         InputError: A file, line or column that cannot be used; the message names it.
     """
     where = (name or "schedule") if isinstance(schedule, bytes) else str(schedule)
-    content = schedule if isinstance(schedule, bytes) else read_content(Path(schedule), "a .csv stay schedule")
+    content = schedule if isinstance(schedule, bytes) else read_source(schedule, "a .csv stay schedule")
     rows = read_rows(content, where)
     stays = tuple(with_end_zones(stay, END_ZONE, END_ZONE, END_ZONE_NOTE) for stay in stays_of(rows))
     remarks = dict.fromkeys(row.cells["status"] for row in rows if row.cells.get("status"))
     notes = (*remarks, f"end zones: {END_ZONE_NOTE}")
     return Bridge(name or Path(where).stem, stays, f"stay schedule {where}", notes)
-
-
-def read_content(file: Traversable, valid: str) -> bytes:
-    """Bytes of a file.
-
-    Args:
-        file: The file.
-        valid: What it should be, for the message.
-
-    Raises:
-        InputError: It cannot be read.
-    """
-    try:
-        return file.read_bytes()
-    except OSError as error:
-        raise InputError(str(file), error.strerror or "cannot be read", valid) from None
 
 
 @dataclass(frozen=True)

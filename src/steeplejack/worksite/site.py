@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib.resources.abc import Traversable
+from pathlib import Path
 
 import numpy as np
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 from steeplejack.worksite.bridge import GRAVITY, Bridge
 from steeplejack.worksite.planar import PlanarSite
-from steeplejack.worksite.schedule import END_ZONE, END_ZONE_NOTE, STEEL_MODULUS, read_content, read_rows, stays_of
+from steeplejack.worksite.schedule import END_ZONE, END_ZONE_NOTE, STEEL_MODULUS, read_rows, stays_of
 from steeplejack.worksite.site_file import Assumed, BridgeFile, Obstacle, PlanarFile, StayEntry, decode_site
 from steeplejack.worksite.stay import Interval, Stay, with_end_zones
 from steeplejack.worksite.validity import first_fault
@@ -20,7 +21,7 @@ from steeplejack.worksite.validity import first_fault
 KEY_OF = {"weight": "mass_per_metre", "axial_stiffness": "area", "anchorages": "lower and upper"}
 
 
-def read_site(file: Traversable, folder: Traversable) -> Bridge | PlanarSite:
+def read_site(file: Path, folder: Path) -> Bridge | PlanarSite:
     """Read a worksite file.
 
     Args:
@@ -34,7 +35,7 @@ def read_site(file: Traversable, folder: Traversable) -> Bridge | PlanarSite:
         InputError: A file or field that cannot be used; the message names it.
     """
     where = str(file)
-    site = decode_site(read_content(file, "a .toml worksite"), where)
+    site = decode_site(read_source(file, "a .toml worksite"), where)
     return _planar(site, where) if isinstance(site, PlanarFile) else _bridge(site, where, folder)
 
 
@@ -49,7 +50,7 @@ def _planar(site: PlanarFile, where: str) -> PlanarSite:
     return PlanarSite(site.name, np.array(site.anchors), lines, site.source, notes)
 
 
-def _bridge(site: BridgeFile, where: str, folder: Traversable) -> Bridge:
+def _bridge(site: BridgeFile, where: str, folder: Path) -> Bridge:
     stays = _written(site.stays, where) if site.schedule is None else _scheduled(folder.joinpath(site.schedule))
     notes = list(site.notes)
     if site.assumed is not None:
@@ -62,8 +63,8 @@ def _bridge(site: BridgeFile, where: str, folder: Traversable) -> Bridge:
     return Bridge(site.name, tuple(stays), site.source, (*notes, f"end zones: {note}"))
 
 
-def _scheduled(file: Traversable) -> list[Stay]:
-    return stays_of(read_rows(read_content(file, "a .csv stay schedule"), str(file)))
+def _scheduled(file: Path) -> list[Stay]:
+    return stays_of(read_rows(read_source(file, "a .csv stay schedule"), str(file)))
 
 
 def _written(entries: Sequence[StayEntry], where: str) -> list[Stay]:

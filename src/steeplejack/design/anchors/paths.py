@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source
 
 Array = NDArray[np.float64]
 
 COLUMNS = ("x_m", "y_m", "phi_deg")
+VALID = "a CSV file with columns x_m, y_m, phi_deg"
 
 
 def eq28(times: Array | None = None) -> Array:
@@ -44,10 +46,10 @@ def read_path(path: str | Path) -> Array:
         InputError: Not readable, a column missing, a cell that is no finite number, no rows.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        text = read_source(path, VALID).decode()
         rows = list(csv.DictReader(text.splitlines(), strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"path {path}", str(error), "a readable CSV file with columns x_m, y_m, phi_deg") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"path {path}", str(error), VALID) from None
     if not rows:
         raise InputError(f"path {path}", "no rows", "a header x_m,y_m,phi_deg and a row a pose")
     for name in COLUMNS:

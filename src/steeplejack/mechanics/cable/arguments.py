@@ -115,3 +115,80 @@ def characteristic(length: float) -> float:
 def spread(values: Array, shape: tuple[int, ...], tail: tuple[int, ...]) -> Array:
     """Broadcast to ``shape + tail``, leading axes flattened to one; always a copy, so that one compilation serves."""
     return np.array(np.broadcast_to(values, (*shape, *tail)), order="C").reshape(math.prod(shape), *tail)
+
+
+def owned(where: str, values: ArrayLike, *tail: int) -> Array:
+    """Values with the given last axes, not all of them finite perhaps; a contiguous copy: one compilation serves.
+
+    Raises:
+        InputError: Not numbers, or other last axes.
+    """
+    return np.array(vectors(where, values, *tail), order="C")
+
+
+def finite(where: str, values: ArrayLike, *tail: int) -> Array:
+    """Finite numbers (..., *tail), a contiguous copy.
+
+    Raises:
+        InputError: No numbers, another shape, or a number that is not finite.
+    """
+    array = owned(where, values, *tail)
+    if not np.isfinite(array).all():
+        raise InputError(where, "a number that is not finite", "finite numbers")
+    return array
+
+
+def points(where: str, values: ArrayLike, size: int) -> Array:
+    """Finite points (m, size), a contiguous copy.
+
+    Raises:
+        InputError: No numbers, another shape, or a number that is not finite.
+    """
+    array = finite(where, values, size)
+    if array.ndim != 2:
+        raise InputError(where, f"shape {array.shape}", f"shape (m, {size})")
+    return array
+
+
+def cables(anchors: ArrayLike, attachments: ArrayLike, size: int, least: int = 1) -> tuple[Array, Array]:
+    """Anchors and attachments, (m, size) each.
+
+    Raises:
+        InputError: No finite points, or not as many of one as of the other, or fewer than ``least``.
+    """
+    fixed, local = points("anchors", anchors, size), points("attachments", attachments, size)
+    if len(fixed) != len(local) or len(fixed) < least:
+        raise InputError(
+            "cables", f"{len(fixed)} anchors and {len(local)} attachments", f"as many of each, {least} at least"
+        )
+    return fixed, local
+
+
+def positive(where: str, value: float) -> float:
+    """A finite number above zero.
+
+    Raises:
+        InputError: Anything else.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(where, f"{value!r}", "positive and finite") from None
+    if not (number > 0.0 and math.isfinite(number)):
+        raise InputError(where, f"{number:g}", "positive and finite")
+    return number
+
+
+def limits(lower: ArrayLike, upper: ArrayLike, cables: int) -> tuple[Array, Array]:
+    """Least and greatest tensions, (m,) each; infinite ones allowed [N].
+
+    Raises:
+        InputError: Not one number or one a cable, not a number, or a least above its greatest.
+    """
+    try:
+        low, high = (np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), (cables,))) for v in (lower, upper))
+    except (TypeError, ValueError):
+        raise InputError("tension limits", "other than one a cable", f"a scalar or ({cables},)") from None
+    if not np.all(low <= high) or np.any(low == np.inf) or np.any(high == -np.inf):
+        raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "numbers, least below greatest")
+    return low, high

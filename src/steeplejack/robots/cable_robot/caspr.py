@@ -27,9 +27,9 @@ from xml.parsers.expat import ExpatError
 import msgspec
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source, shortened
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
-from steeplejack.robots.cable_robot.source_file import read_source, shortened
 
 Vector = tuple[float, float, float]
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import msgspec
 
 from steeplejack.errors import InputError
+from steeplejack.files import read_source, shortened
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
-from steeplejack.robots.cable_robot.source_file import read_source, shortened
 
 BUILT_IN = ("ccrobot-s-planar", "planar-4-4", "kntu-planar", "ipanema-2", "cogiro")
 

@@ -28,8 +28,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics import interval as iv
+from steeplejack.mechanics.cable.cholesky import cholesky, substitute
 from steeplejack.mechanics.cable.pose.bounds import enclose
-from steeplejack.mechanics.cable.pose.misfit import cholesky, substitute
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.cholesky import cholesky, substitute
 from steeplejack.mechanics.cable.pulleys import cable_run
 
 Array = NDArray[np.float64]
@@ -30,7 +31,6 @@ CONVERGED, SINGULAR, UNFINISHED, UNDEFINED = range(4)
 ITERATIONS = 100
 STEP = 1e-11  # [1] distance still to go over the longest cable, foreseen from the last two steps, that ends the search
 DAMPING = 1e-6  # [1] at the start, against unit cable directions
-TINY = 1e-300
 CLEAR = 1e-3  # [1] damped pivot over its diagonal above which the rank need not be looked at again
 RANK = 1e-13  # [1] squared sine of the least angle between a freedom and the span of the others that counts as 0
 
@@ -125,49 +125,6 @@ def _normal(slope: Array, errors: Array, freedoms: Ints, row: Array, gram: Array
             right[a] -= row[a] * errors[i]
             for b in range(a + 1):
                 gram[a, b] += row[a] * row[b]
-
-
-@njit(cache=True, error_model="numpy")
-def cholesky(matrix: Array, damping: float, factor: Array) -> float:
-    """Factor ``matrix + damping I`` from its lower half.
-
-    Returns:
-        The least pivot, less the damping, over its diagonal; above 0 where the factor exists.
-    """
-    n = matrix.shape[0]
-    least = np.inf
-    for a in range(n):
-        for b in range(a + 1):
-            total = matrix[a, b]
-            if a == b:
-                total += damping
-            diagonal = total
-            for c in range(b):
-                total -= factor[a, c] * factor[b, c]
-            if a == b:
-                if not total > 0.0:
-                    return 0.0
-                least = min(least, max(total - damping, TINY) / diagonal)
-                factor[a, a] = math.sqrt(total)
-            else:
-                factor[a, b] = total / factor[b, b]
-    return least
-
-
-@njit(cache=True, error_model="numpy")
-def substitute(factor: Array, right: Array, out: Array) -> None:
-    """Solve ``L L^T out = right``."""
-    n = right.shape[0]
-    for a in range(n):
-        total = right[a]
-        for c in range(a):
-            total -= factor[a, c] * out[c]
-        out[a] = total / factor[a, a]
-    for a in range(n - 1, -1, -1):
-        total = out[a]
-        for c in range(a + 1, n):
-            total -= factor[c, a] * out[c]
-        out[a] = total / factor[a, a]
 
 
 @njit(cache=True, error_model="numpy")

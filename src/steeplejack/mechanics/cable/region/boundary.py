@@ -25,11 +25,11 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import finite, positive
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.certified import Label, arguments
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
-from steeplejack.mechanics.cable.region.inputs import finite, positive
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -185,7 +185,7 @@ def subdivide(
 
 def segments(starts: ArrayLike, ends: ArrayLike) -> tuple[Array, Array]:
     """Both ends of every segment, (k, 3), finite."""
-    low, high = (np.atleast_2d(finite("rays", end, (3,))) for end in (starts, ends))
+    low, high = (np.atleast_2d(finite("rays", end, 3)) for end in (starts, ends))
     try:
         first, last = np.broadcast_arrays(low, high)
     except ValueError:

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import cables, owned, positive
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
-from steeplejack.mechanics.cable.region.inputs import cables, numbers, positive
 from steeplejack.mechanics.cable.region.rounding import stored_rounding
 
 Array = NDArray[np.float64]
@@ -193,7 +193,7 @@ def closure_box(anchors: ArrayLike, attachments: ArrayLike) -> Array:
 
 def search_box(box: ArrayLike, size: int = 3) -> tuple[Array, Array]:
     """Lower and upper corner, (size,) each, of a box (size, 2) that is finite and has a side with width."""
-    ends = numbers("box", box, (size, 2))
+    ends = owned("box", box, size, 2)
     if ends.shape != (size, 2) or not np.isfinite(ends).all() or not (ends[:, 0] <= ends[:, 1]).all():
         raise InputError("box", f"{ends.tolist()}", f"lower and upper end of {size} coordinates, finite, ({size}, 2)")
     if not (ends[:, 0] < ends[:, 1]).any():

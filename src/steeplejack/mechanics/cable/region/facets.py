@@ -36,8 +36,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import finite, points
 from steeplejack.mechanics.cable.region import determinants
-from steeplejack.mechanics.cable.region.inputs import finite, points
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -288,7 +288,7 @@ def _wrenches(
 
     Integer forces are over ``2^shift``, moments over ``2^(shift + geometry.shift)``.
     """
-    loads = np.atleast_2d(finite("wrenches", np.zeros(rows) if wrenches is None else wrenches, (rows,)))
+    loads = np.atleast_2d(finite("wrenches", np.zeros(rows) if wrenches is None else wrenches, rows))
     if loads.ndim != 2 or not len(loads):
         raise InputError("wrenches", f"shape {loads.shape}", f"shape (k, {rows})")
     scaled = loads / _power(float(np.abs(limits).max()))

@@ -19,12 +19,14 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
 
+from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import cables, each_cable, finite, limits, positive
+from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 from steeplejack.mechanics.cable.structure import planar_arms
 from steeplejack.mechanics.cable.tension.plane import planar_margins
 
 Array = NDArray[np.float64]
 
-LEAST_FACTOR = 1e-9  # [1] tension factor that counts as zero, as in `closure`
 LEAST_VOLUME = 1e-12  # [1] cofactor that counts as zero, over the longest arm times its cables' lengths
 
 
@@ -38,9 +40,15 @@ def grid_nodes(low: float, high: float, step: float) -> Array:
 
     Returns:
         Nodes, ascending, (k,) [m]; empty where none lies inside.
+
+    Raises:
+        InputError: Ends that are not finite, or a step that is not above 0.
     """
+    ends = finite("ends", [low, high])
+    positive("step", step)
     rounding = 1e-9
-    return step * np.arange(math.ceil(low / step - rounding), math.floor(high / step + rounding) + 1, dtype=np.float64)
+    first, last = math.ceil(ends[0] / step - rounding), math.floor(ends[1] / step + rounding)
+    return step * np.arange(first, last + 1, dtype=np.float64)
 
 
 def tension_factor_grid(
@@ -58,12 +66,15 @@ def tension_factor_grid(
 
     Returns:
         TF, (ny, nx) [1].
+
+    Raises:
+        InputError: Not four cables, or numbers that are not finite.
     """
-    x, y = _own(xs), _own(ys)
-    arms = planar_arms(attachments, phi)
-    roots = np.asarray(anchors, dtype=np.float64) - arms
+    roots, arms, x, y = _question(anchors, attachments, phi, xs, ys)
     middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
     roots[:, 0] -= middle
+    if out is not None and (out.shape != (y.size, x.size) or out.dtype != np.float64 or not out.flags.c_contiguous):
+        raise InputError("out", f"{out.dtype} of shape {out.shape}", f"contiguous float64 of {(y.size, x.size)}")
     factors = np.empty((y.size, x.size)) if out is None else out
     thin = LEAST_VOLUME**2 * float((arms**2).sum(axis=1).max())
     planar_tension_factors(roots, arms, x - middle, y, thin, factors)
@@ -102,23 +113,23 @@ def margin_grid(
 
     Returns:
         Margin, (ny, nx) [1].
+
+    Raises:
+        InputError: Not four cables, numbers that are not finite, a least tension above its greatest, or a pull limit
+            without stays.
     """
-    x, y = _own(xs), _own(ys)
-    arms, low, high = planar_arms(attachments, phi), _each(lower), _each(upper)
-    margins = np.empty((y.size, x.size))
-    planar_margins(
-        np.asarray(anchors, dtype=np.float64) - arms,
-        arms,
-        x,
-        y,
-        _own(wrench),
-        low,
-        high,
-        np.zeros((4, 2)) if stays is None else _own(stays),
-        _each(pull_limit),
-        0.5 * float((high - low).max()),
-        margins,
-    )
+    roots, arms, x, y = _question(anchors, attachments, phi, xs, ys)
+    low, high = limits(lower, upper, 4)
+    if not np.isfinite(high - low).all():
+        raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite ones; margins are shares")
+    pull = np.array(np.broadcast_to(each_cable("pull limit", pull_limit, 4), (4,)))
+    if stays is None and np.isfinite(pull).any():
+        raise InputError("stays", "none", "unit directions (4, 2): a pull limit is along them")
+    along = np.zeros((4, 2)) if stays is None else finite("stays", stays, 2)
+    if along.shape != (4, 2) or not (pull >= 0.0).all():
+        raise InputError("pull limit", f"{pull.tolist()} N along stays {along.shape}", "not negative, along (4, 2)")
+    margins, half = np.empty((y.size, x.size)), 0.5 * float((high - low).max())
+    planar_margins(roots, arms, x, y, finite("wrench", wrench, 3).reshape(3), low, high, along, pull, half, margins)
     return margins
 
 
@@ -133,8 +144,11 @@ def best_node(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, nodes
 
     Returns:
         ``(x, y, phi)`` (3,) [m, m, rad] and its TF [1]; 0 where no node is in wrench closure.
+
+    Raises:
+        InputError: Not four cables, or numbers that are not finite.
     """
-    fixed = np.asarray(anchors, dtype=np.float64)
+    fixed = cables(anchors, attachments, 2)[0]
     share = (np.arange(nodes) + 0.5) / nodes
     low, size = fixed.min(axis=0), np.ptp(fixed, axis=0)
     xs, ys = low[0] + share * size[0], low[1] + share * size[1]
@@ -147,14 +161,18 @@ def best_node(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, nodes
     return best, most
 
 
-def _own(values: ArrayLike) -> Array:
-    """A contiguous copy: views and read-only arrays would each compile the kernels anew."""
-    return np.array(values, dtype=np.float64, order="C")
-
-
-def _each(values: ArrayLike) -> Array:
-    """One value a cable, (4,)."""
-    return _own(np.broadcast_to(np.asarray(values, dtype=np.float64), (4,)))
+def _question(
+    anchors: ArrayLike, attachments: ArrayLike, phi: float, xs: ArrayLike, ys: ArrayLike
+) -> tuple[Array, Array, Array, Array]:
+    """``A_i - b_i`` and ``b_i``, (4, 2) each, and the coordinates of the nodes, (nx,) and (ny,) [m]."""
+    fixed, local = cables(anchors, attachments, 2)
+    if len(fixed) != 4:
+        raise InputError("cables", f"{len(fixed)} of them", "four; `planar_closure_map` takes any number")
+    turn, x, y = finite("phi", phi), finite("xs", xs), finite("ys", ys)
+    if turn.ndim or x.ndim != 1 or y.ndim != 1:
+        raise InputError("grid", f"phi {turn.shape}, xs {x.shape}, ys {y.shape}", "one angle and two rows of numbers")
+    arms = planar_arms(local, turn)
+    return fixed - arms, arms, x, y
 
 
 @njit(cache=True, parallel=True, error_model="numpy", fastmath={"contract", "nsz", "nnan", "ninf"})
@@ -193,7 +211,7 @@ def planar_tension_factors(roots: Array, arms: Array, xs: Array, ys: Array, thin
             s1, s2, s3, s4 = n1 * abs(n1) * l1, n2 * abs(n2) * l2, n3 * abs(n3) * l3, n4 * abs(n4) * l4
             least, most = min(min(s1, s2), min(s3, s4)), max(max(s1, s2), max(s3, s4))
             small, large = max(least, -most), max(most, -least)
-            factors[j, i] = math.sqrt(small / large) if small > LEAST_FACTOR**2 * large + flat else 0.0
+            factors[j, i] = math.sqrt(small / large) if small > TOLERANCE**2 * large + flat else 0.0
 
 
 @njit(cache=True)

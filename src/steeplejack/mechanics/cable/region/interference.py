@@ -27,10 +27,10 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import cables, finite, points, positive
 from steeplejack.mechanics.cable.region.boundary import Rays, segments, subdivide
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
 from steeplejack.mechanics.cable.region.clearance import nearest_stay, segment_distance
-from steeplejack.mechanics.cable.region.inputs import cables, finite, points, positive
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -97,7 +97,7 @@ class Surroundings:
         turned = rotation_matrix(rotation, "rotation")
         if turned.shape != (3, 3):
             raise InputError("rotation", f"shape {turned.shape}", "one rotation matrix (3, 3)")
-        axes = np.zeros((0, 2, 3)) if stays is None else finite("stays", stays, (3,))
+        axes = np.zeros((0, 2, 3)) if stays is None else finite("stays", stays, 3)
         if axes.ndim != 3 or axes.shape[1] < 2:
             raise InputError("stays", f"shape {axes.shape}", "(k, n, 3) with two points at least")
         sizes, homes = _each("radii", radii, len(axes)), _each("own", own, len(fixed))
@@ -133,7 +133,7 @@ def interference_gaps(surroundings: Surroundings, positions: ArrayLike) -> tuple
     Raises:
         InputError: Positions that are not finite.
     """
-    where = finite("positions", positions, (3,))
+    where = finite("positions", positions, 3)
     flat = np.ascontiguousarray(where.reshape(-1, 3))
     gaps, causes = np.empty(len(flat)), np.empty(len(flat), dtype=np.int64)
     _gaps(*surroundings.arguments, flat, gaps, causes)
@@ -280,13 +280,13 @@ def platform_overlap(
         InputError: Shapes or numbers that cannot be meant, normals not of unit length, or no rotations.
     """
     fixed, local = cables(anchors, attachments, 3)
-    faces, reach = points("normals", normals, 3), finite("offsets", offsets, ())
+    faces, reach = points("normals", normals, 3), finite("offsets", offsets)
     if not len(faces) or reach.shape != faces.shape[:1]:
         raise InputError("platform", f"{len(faces)} normals and offsets {reach.shape}", "one offset a face")
     if not np.allclose(np.linalg.norm(faces, axis=1), 1.0, rtol=0.0, atol=1e-6):
         raise InputError("normals", "a length other than 1", "unit vectors")
     turned = rotation_matrix(rotations, "rotations")
-    away = fixed - finite("positions", positions, (3,))[..., None, :]
+    away = fixed - finite("positions", positions, 3)[..., None, :]
     runs = away @ turned - local  # in the platform frame
     depth = reach - local @ faces.T
     size = ON_SURFACE * float(np.abs(reach).max())
@@ -315,7 +315,7 @@ def box_faces(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
     Raises:
         InputError: Corners that are no finite points, or a lower one above the upper.
     """
-    least, most = finite("low", low, (3,)), finite("high", high, (3,))
+    least, most = finite("low", low, 3), finite("high", high, 3)
     if least.shape != (3,) or most.shape != (3,) or not (least <= most).all():
         raise InputError("box", f"{least.tolist()} to {most.tolist()} m", "a lower and an upper corner, (3,) each")
     return np.concatenate((np.eye(3), -np.eye(3))), np.concatenate((most, -least))
@@ -323,7 +323,7 @@ def box_faces(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
 
 def _each(where: str, values: ArrayLike, count: int) -> Array:
     """One finite number each, (count,)."""
-    given = finite(where, values, ())
+    given = finite(where, values)
     try:
         return np.array(np.broadcast_to(given, (count,)))
     except ValueError:

@@ -22,7 +22,8 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.region.inputs import cables, limits, numbers, positive
+from steeplejack.mechanics.cable.arguments import cables, limits, owned, positive
+from steeplejack.mechanics.cable.structure import LENGTHLESS
 from steeplejack.mechanics.cable.wrench import lanes
 from steeplejack.mechanics.cable.wrench.closure import MOST_CABLES, tension_factor
 from steeplejack.mechanics.cable.wrench.feasibility import FeasibilityStatus, wrench_feasible
@@ -69,7 +70,7 @@ def planar_closure_map(anchors: ArrayLike, attachments: ArrayLike, poses: ArrayL
         InputError: Shapes or numbers that cannot be meant.
     """
     fixed, local = _robot(anchors, attachments, 2)
-    where = numbers("poses", poses, (3,))
+    where = owned("poses", poses, 3)
     factors = np.empty(math.prod(where.shape[:-1]))
     for block, structures in _planar_blocks(fixed, local, where.reshape(-1, 3)):
         factors[block] = tension_factor(structures)
@@ -132,7 +133,7 @@ def planar_feasibility_map(
         InputError: Shapes or numbers that cannot be meant.
     """
     fixed, local = _robot(anchors, attachments, 2)
-    where = numbers("poses", poses, (3,))
+    where = owned("poses", poses, 3)
     shape = where.shape[:-1]
     blocks = _planar_blocks(fixed, local, where.reshape(-1, 3))
     return _feasibility(blocks, shape, limits(lower, upper, len(fixed)), _task(task, 3, shape), length)
@@ -198,7 +199,7 @@ def _robot(anchors: ArrayLike, attachments: ArrayLike, size: int) -> tuple[Array
 
 def _spatial_poses(positions: ArrayLike, rotations: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     """Flat positions (k, 3) and rotations (k, 3, 3), and the leading axes they came with."""
-    where, turns = numbers("positions", positions, (3,)), numbers("rotations", rotations, (3, 3))
+    where, turns = owned("positions", positions, 3), owned("rotations", rotations, 3, 3)
     if not _all_rotations(turns.reshape(-1, 3, 3), ORTHONORMAL):
         raise InputError("rotations", "a matrix that is no rotation", "rotation matrices (..., 3, 3)")
     try:
@@ -213,7 +214,7 @@ def _spatial_poses(positions: ArrayLike, rotations: ArrayLike) -> tuple[Array, A
 
 def _task(task: TaskWrenches | ArrayLike, rows: int, shape: tuple[int, ...]) -> TaskWrenches:
     """The task with its leading axes as those of the poses, flat, or with none where one task serves all."""
-    wanted = task if isinstance(task, TaskWrenches) else TaskWrenches.point(numbers("task", task, (rows,)))
+    wanted = task if isinstance(task, TaskWrenches) else TaskWrenches.point(owned("task", task, rows))
     vertices, half = wanted.vertices, wanted.half
     if vertices.shape[-1] != rows or half.shape[-1] != rows:
         raise InputError("task", f"wrenches of {vertices.shape[-1]} rows", f"{rows}")
@@ -269,7 +270,7 @@ def planar_structures(anchors: Array, attachments: Array, poses: Array, structur
             x, y = anchors[i, 0] - bx - px, anchors[i, 1] - by - py
             size = abs(anchors[i, 0]) + abs(anchors[i, 1]) + abs(px) + abs(py) + longest
             length = math.hypot(x, y)
-            if not lanes.LENGTHLESS * size < length < math.inf:
+            if not LENGTHLESS * size < length < math.inf:
                 structures[k] = math.nan
                 break
             structures[k, 0, i], structures[k, 1, i] = x / length, y / length
@@ -308,7 +309,7 @@ def spatial_structures(
                 size += abs(anchors[i, r]) + abs(positions[k, r])
                 square += u[r] * u[r]
             length = math.sqrt(square)
-            if not lanes.LENGTHLESS * size < length < math.inf:
+            if not LENGTHLESS * size < length < math.inf:
                 structures[k] = math.nan
                 break
             for r in range(3):

@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import cables, finite, limits
 from steeplejack.mechanics.cable.region import witness
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
-from steeplejack.mechanics.cable.region.inputs import cables, finite, limits
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
@@ -98,7 +98,7 @@ def pose_question(
     limited = lower is not None or upper is not None
     fixed, local = cables(anchors, attachments, 3, 6 if limited else 7)
     turn = rotation_matrix(np.eye(3) if rotation is None else rotation, "rotation")
-    point = finite("centre", centre, (3,))
+    point = finite("centre", centre, 3)
     if turn.shape != (3, 3) or point.shape != (3,):
         raise InputError("pose", f"rotation {turn.shape} and centre {point.shape}", "one rotation and one point")
     origin = fixed.min(axis=0) + 0.5 * np.ptp(fixed, axis=0)
@@ -113,7 +113,7 @@ def pose_question(
         low, high = limits(lower, upper, len(fixed))
         if not (np.isfinite(low).all() and np.isfinite(high).all() and np.all(low < high)):
             raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite, least below greatest")
-        given = np.atleast_2d(finite("wrenches", np.zeros(6) if wrenches is None else wrenches, (6,)))
+        given = np.atleast_2d(finite("wrenches", np.zeros(6) if wrenches is None else wrenches, 6))
         if given.ndim != 2 or not len(given):
             raise InputError("wrenches", f"shape {given.shape}", "shape (k, 6)")
         force = _power(float(max(np.abs(low).max(), np.abs(high).max())))
@@ -184,7 +184,7 @@ def certify_orientations(
         InputError: A search box without volume or not finite, turns above pi, or a gap that is not positive.
     """
     low, high = search_box(box, 3)
-    ends = _turns(finite("turns", turns, (3, 2)))
+    ends = _turns(finite("turns", turns, 3, 2))
     first, last = ((end - question.origin) / question.length for end in (low, high))
     root = 0.5 * np.concatenate((last - first, ends[:, 1] - ends[:, 0]))
     slop = witness.ROUNDING * (np.abs(first) + np.abs(last) + np.abs(question.origin) / question.length)
@@ -213,7 +213,7 @@ def failing_turn(turns: ArrayLike, number: int) -> Array:
     Raises:
         InputError: No such range, or a number that belongs to no orientation.
     """
-    ends, side = _turns(finite("turns", turns, (3, 2))), witness.LATTICE + 1
+    ends, side = _turns(finite("turns", turns, 3, 2)), witness.LATTICE + 1
     if not 0 <= number < side**3:
         raise InputError("number", f"{number}", "that of a box proved outside")
     place = np.array([number // side**2, number // side % side, number % side])

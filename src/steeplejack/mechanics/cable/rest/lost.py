@@ -319,7 +319,7 @@ def _check(cables: Sequence[int], platform: LockedPlatform, stride: float) -> No
     """Refuse a cable that is not there, the loss of the only one, and steps of no length."""
     m = len(platform.anchors)
     for cable in cables:
-        if not (cable == int(cable) and 0 <= cable < m):
+        if cable not in range(m):
             raise InputError("cable", f"{cable}", f"0 to {m - 1}")
     if m < 2:
         raise InputError("cable", "the only one", "a platform with at least two cables")

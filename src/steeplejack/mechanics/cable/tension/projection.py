@@ -19,6 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.cholesky import cholesky
 from steeplejack.mechanics.cable.tension.powers import raised
 
 Array = NDArray[np.float64]
@@ -159,23 +160,6 @@ def _decompose(rows: Array, active: Index, count: int, enters: int, frame: Array
 
 
 @njit(cache=True, error_model="numpy")
-def root(metric: Array) -> bool:
-    """Replace the lower triangle of a symmetric matrix (r, r) by its Cholesky factor; False where not positive."""
-    r = metric.shape[0]
-    for k in range(r):
-        for j in range(k):
-            for i in range(j):
-                metric[k, j] -= metric[k, i] * metric[j, i]
-            metric[k, j] /= metric[j, j]
-        for i in range(k):
-            metric[k, k] -= metric[k, i] ** 2
-        if not metric[k, k] > 0.0:
-            return False
-        metric[k, k] = math.sqrt(metric[k, k])
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def nearest(
     start: Array, basis: Array, weight: Array, slope: Array, lower: Array, upper: Array, x: Array,
     space: Array, active: Index,
@@ -208,7 +192,7 @@ def nearest(
         trace += metric[k, k]
     for k in range(r):
         metric[k, k] += FLOOR * trace
-    if not root(metric):
+    if not cholesky(metric, 0.0, metric) > 0.0:
         return False
     for k in range(r):
         x[k] = slope[k]

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from steeplejack.mechanics.cable.structure import LENGTHLESS
 from steeplejack.mechanics.cable.wrench.sectors import NARROW, PARALLEL
 
 Array = NDArray[np.float64]
@@ -24,7 +25,6 @@ Array = NDArray[np.float64]
 LANES = 64
 PIVOT = 1e-3  # [1] shared pivot below which a pose is settled on its own
 GROWTH = 1e2  # [1] entry of N above which a pose is settled on its own
-LENGTHLESS = 1e-12  # [1] cable length that counts as zero, over the size of the coordinates it is the difference of
 FARTHEST = 1e140  # [m] coordinate whose square still has room
 UNSETTLED = -1.0
 FAR = 1e300

@@ -1,4 +1,4 @@
-"""The bytes of a robot file: from a regular file of a sane size, or one clear line about why not."""
+"""The bytes of a file somebody hands in: from a regular file of a sane size, or one clear line about why not."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from steeplejack.errors import InputError
 MOST_BYTES = 1 << 20
 """A robot of a thousand cables takes a tenth of it; parsers take seconds for twenty times as much."""
 
-MOST_QUOTED = 120  # characters of a file that a message repeats
+MOST_QUOTED = 160  # characters of a file that a message repeats
 
 
-def read_source(path: str | Path, valid: str) -> bytes:
-    """Read a robot file, without a byte order mark.
+def read_source(path: str | Path, valid: str, most: int = MOST_BYTES) -> bytes:
+    """Read a file, without a byte order mark.
 
     Args:
         path: Of the file.
         valid: What would be valid, for the message.
+        most: Bytes it may have.
 
     Raises:
         InputError: Not a path, no such file, not a regular file, or too large.
@@ -26,15 +27,15 @@ def read_source(path: str | Path, valid: str) -> bytes:
     try:
         file = Path(path)
         if file.exists() and not file.is_file():
-            raise InputError(where, "not a file", valid)
+            raise InputError(where, "a folder" if file.is_dir() else "not a file", valid)
         with file.open("rb") as stream:
-            content = stream.read(MOST_BYTES + 1)
+            content = stream.read(most + 1)
     except OSError as error:
         raise InputError(where, error.strerror or "cannot be read", valid) from None
     except (TypeError, ValueError) as error:  # no path at all, or one with a NUL in it
         raise InputError(repr(where), shortened(str(error)), valid) from None
-    if len(content) > MOST_BYTES:
-        raise InputError(where, f"more than {MOST_BYTES} bytes", valid)
+    if len(content) > most:
+        raise InputError(where, f"more than {most} bytes", valid)
     return content.removeprefix(b"\xef\xbb\xbf")
 
 
