@@ -33,28 +33,52 @@ def balance(columns: Array, load: Array, window: Array, closure: bool, tight: fl
     """
     m, n = columns.shape[0], 7 if closure else 6
     c, start, low, high = np.empty((m, n)), np.zeros(n), np.empty(m), np.empty(m)
-    widest = 0.0
+    middle, half = np.empty(m), np.empty(m)
     for i in range(m):
-        widest = max(widest, 1.0 / m if closure else 0.5 * (window[1, i] - window[0, i]))
-    for i in range(m):
-        half = 1.0 / m if closure else 0.5 * (window[1, i] - window[0, i])
-        middle = half if closure else 0.5 * (window[1, i] + window[0, i])
+        half[i] = 1.0 / m if closure else 0.5 * (window[1, i] - window[0, i])
+        middle[i] = half[i] if closure else 0.5 * (window[1, i] + window[0, i])
         low[i], high[i] = tight - 1.0, (np.inf if closure else 1.0 - tight)
+    _rows(columns, load, middle, half, closure, c, start)
+    y, work = np.zeros(n), np.zeros(m)
+    _newton(c, start, low, high, y, work)
+    left, long = 0.0, 0.0
+    for r in range(n):
+        missing = start[r]
+        for i in range(m):
+            missing += c[i, r] * min(max(work[i], low[i]), high[i])
+        left = max(left, abs(missing))
+    for i in range(m):
+        tensions[i] = middle[i] + half[i] * min(max(work[i], low[i]), high[i])
+    for r in range(6):
+        long += y[r] * y[r]
+    for r in range(6):
+        z[r] = -y[r] / math.sqrt(long) if long > 0.0 else 0.0
+    return left <= 1e2 * SOFT
+
+
+@njit(cache=True, error_model="numpy")
+def _rows(columns: Array, load: Array, middle: Array, half: Array, closure: bool, c: Array, start: Array) -> None:
+    """Write columns over half windows (m, n), and what the middles of the windows leave (n,); widest half window 1."""
+    widest = half.max()
+    for i in range(half.size):
         for r in range(6):
-            c[i, r] = columns[i, r, 0] * half / widest
-            start[r] += columns[i, r, 0] * middle / widest
+            c[i, r] = columns[i, r, 0] * half[i] / widest
+            start[r] += columns[i, r, 0] * middle[i] / widest
         if closure:
-            c[i, 6] = half / widest
-            start[6] += middle / widest
+            c[i, 6] = half[i] / widest
+            start[6] += middle[i] / widest
     for r in range(6):
         start[r] += load[r, 0] / widest
     if closure:
         start[6] -= 1.0 / widest
-    y, work, step, along = np.zeros(n), np.zeros(m), np.empty(n), np.empty(m)
-    gradient, hessian = np.empty(n), np.empty((n, n))
-    size = 1.0
-    for r in range(n):
-        size = max(size, abs(start[r]))
+
+
+@njit(cache=True, error_model="numpy")
+def _newton(c: Array, start: Array, low: Array, high: Array, y: Array, work: Array) -> None:
+    """Dual variables (n,), from zero, and ``work = c y`` (m,), whose clipped values are the tensions."""
+    m, n = c.shape
+    step, along, gradient, hessian = np.empty(n), np.empty(m), np.empty(n), np.empty((n, n))
+    size = max(1.0, np.abs(start).max())
     for _ in range(40):
         for r in range(n):
             gradient[r] = start[r] + SOFT * y[r]
@@ -68,16 +92,9 @@ def balance(columns: Array, load: Array, window: Array, closure: bool, tight: fl
                 if free:
                     for s in range(r + 1):
                         hessian[r, s] += c[i, r] * c[i, s]
-        most = 0.0
-        for r in range(n):
-            most = max(most, abs(gradient[r]))
-        if most <= 1e-13 * size:
-            break
-        if not cholesky(hessian, 0.0, hessian) > LEAST_PIVOT:
-            break
-        for r in range(n):
-            step[r] = -gradient[r]
-        substitute(hessian, step, step)
+        if np.abs(gradient).max() <= 1e-13 * size or not cholesky(hessian, 0.0, hessian) > LEAST_PIVOT:
+            return
+        substitute(hessian, -gradient, step)
         for i in range(m):
             along[i] = 0.0
             for r in range(n):
@@ -87,21 +104,6 @@ def balance(columns: Array, load: Array, window: Array, closure: bool, tight: fl
             y[r] += share * step[r]
         for i in range(m):
             work[i] += share * along[i]
-    left, long = 0.0, 0.0
-    for r in range(n):
-        missing = start[r]
-        for i in range(m):
-            missing += c[i, r] * min(max(work[i], low[i]), high[i])
-        left = max(left, abs(missing))
-    for i in range(m):
-        half = 1.0 / m if closure else 0.5 * (window[1, i] - window[0, i])
-        middle = half if closure else 0.5 * (window[1, i] + window[0, i])
-        tensions[i] = middle + half * min(max(work[i], low[i]), high[i])
-    for r in range(6):
-        long += y[r] * y[r]
-    for r in range(6):
-        z[r] = -y[r] / math.sqrt(long) if long > 0.0 else 0.0
-    return left <= 1e2 * SOFT
 
 
 @njit(cache=True, error_model="numpy")
