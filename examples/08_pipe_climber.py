@@ -7,8 +7,10 @@ import numpy as np
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
 from steeplejack.robots.pipe_climber.certificate import certified_poses
 from steeplejack.robots.pipe_climber.forward import forward_kinematics
+from steeplejack.robots.pipe_climber.grippers import free_gripper, freedoms_of
 from steeplejack.robots.pipe_climber.inverse import exceeded, limb_lengths
 from steeplejack.robots.pipe_climber.jacobian import jacobian
+from steeplejack.robots.pipe_climber.linkage import linkage_angles, linkage_closure
 from steeplejack.robots.pipe_climber.motion import eq27, limb_states
 from steeplejack.robots.pipe_climber.singular_path import check_waypoints
 from steeplejack.robots.pipe_climber.singularity import determinant, singularity_distance
@@ -25,6 +27,17 @@ for one in certified_poses(layout, lengths.tolist()):
     x, w, alpha = one.pose
     print(f"  {one.mode:<16} x {1e3 * x:10.4f} mm   w {1e3 * w:10.4f} mm   alpha {math.degrees(alpha):10.4f} deg")
 print("out of reach   ", *exceeded(layout, (0.0, 0.119, 0.0)), sep="  ")
+
+beta = math.radians(20.0)
+print(f"RCM loops open by {np.abs(linkage_closure(robot.rcm, linkage_angles(robot.rcm, beta))).max():.1e} m at 20 deg")
+for fixed in ("lower", "upper"):
+    gripper = free_gripper((*pose, beta), robot.linkage.claw_offset, fixed)
+    x, w, alpha, turn = freedoms_of(gripper, robot.linkage.claw_offset, fixed)
+    print(
+        f"{fixed} fixed     other gripper at",
+        (1e3 * gripper[:3, 3]).round(3),
+        f"mm, turned {math.degrees(turn):.1f} deg",
+    )
 
 rng = np.random.default_rng(1)
 many = forward_kinematics(layout, rng.uniform(0.12, 0.24, (100_000, 3)))

@@ -78,6 +78,9 @@ def test_windows_of_the_cylinders_are_told_and_no_failure(steeplejack: Run) -> N
     assert (outcome.code, outcome.answer["exceeded"]) == (0, [])
     assert outcome.answer["outside_stroke"][-1] == {"limb": 3, "value_m": pytest.approx(0.14), "limit_m": 0.15}
     assert steeplejack("legs", "--pose", 0, 0.160, 0, "--json").answer["outside_stroke"] == []
+    *_, last = steeplejack("legs", "--pose", 0, 0.140, 0).out.splitlines()
+    assert last == "limb 3 is 0.14 m long, its own cylinder ends at 0.15 m"
+    assert len(steeplejack("legs", "--pose", 0, 0.160, 0).out.splitlines()) == 1
 
 
 def test_motion(steeplejack: Run) -> None:
@@ -98,6 +101,10 @@ def test_motion_from_a_file(steeplejack: Run, folder: Path) -> None:
     answer = steeplejack("motion", "still.toml", "--at", 0.5, "--json").answer
     assert answer["violations"] == []
     assert answer["qd_m_s"] == [0.0, 0.0, 0.0]
+    (folder / "rise.csv").write_text("t_s,x_m,z_m\n" + "".join(f"{k},0,{0.15 + 0.02 * k}\n" for k in range(5)))
+    answer = steeplejack("motion", "rise.csv", "--at", 0.5, "--json").answer
+    assert answer["qd_m_s"][2] == pytest.approx(0.02)
+    assert {(one["limb"], one["what"]) for one in answer["violations"]} >= {(3, "speed"), (3, "stroke")}
 
 
 def test_singularity(steeplejack: Run, folder: Path) -> None:

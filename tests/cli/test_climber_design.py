@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 from command_line import Outcome
 
+from steeplejack.design import climber as design
+
 pytestmark = pytest.mark.long
 
 Run = Callable[..., Outcome]
@@ -76,6 +78,25 @@ def test_a_study_searches_the_whole_space_and_resumes(steeplejack: Run, folder: 
         assert other.err.count("\n") == 1
 
 
+def test_a_study_draws_the_whole_space_too(steeplejack: Run) -> None:
+    options = ("--step", 0.19, "--step-m", 0.01, "--study", "study", "--out", "out", "--json")
+    answer = steeplejack("dimensions", *RECTANGLE, *options).answer
+    assert Path(answer["space_figure"]).name == "space.svg"
+    assert Path(answer["space_figure"]).read_text().startswith("<?xml")
+
+
+def test_a_lost_cluster_is_an_early_end_in_one_line(
+    steeplejack: Run, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lost(*_arguments: object) -> None:
+        raise design.LostClusterError("study: the cluster is lost (KilledWorker); finished chunks are kept")
+
+    monkeypatch.setattr(design, "run_study", lost)
+    outcome = steeplejack("dimensions", *RECTANGLE, "--step", 0.19, "--step-m", 0.01, "--study", "study", "--json")
+    assert (outcome.code, outcome.out) == (4, "")
+    assert outcome.err.rstrip().splitlines()[-1].endswith("finished chunks are kept")
+
+
 def test_a_study_in_a_file_is_named(steeplejack: Run, folder: Path) -> None:
     (folder / "file").write_text("")
     outcome = steeplejack("dimensions", *RECTANGLE, "--step", 0.19, "--study", "file")
@@ -100,6 +121,12 @@ def test_figures(steeplejack: Run, words: tuple[Any, ...]) -> None:
 def test_a_person_gets_lines(steeplejack: Run) -> None:
     lines = steeplejack("reach", "--alpha-deg", 0, "--step-m", 0.01).out.splitlines()
     assert [line.split()[0] for line in lines][:2] == ["area_m2", "volume_m2_rad"]
+    best, paper, *_ = steeplejack("dimensions", *RECTANGLE).out.splitlines()
+    assert best.split(maxsplit=1)[1] == "1 : 1 : 1 : 0.49, GTI 0.7469"
+    assert paper.split(maxsplit=1)[1] == "1 : 1 : 0.75 : 0.65, GTI 0.4706, 26% of the designs are better"
+    lines = steeplejack("transmission", "--alpha-deg", 0, "--step-m", 0.01).out.splitlines()
+    assert [line.split()[0] for line in lines] == ["gti", "mean", "min", "max", "cells", "within_limits"]
+    assert " at x " in lines[2]
 
 
 @pytest.mark.parametrize("command", ["reach", "transmission"])

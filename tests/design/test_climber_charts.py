@@ -15,9 +15,11 @@ from steeplejack.design.charts.climber import (
     reach_figure,
     transmission_figure,
 )
+from steeplejack.design.charts.climber_space import space_figure
 from steeplejack.design.climber import (
     Comparison,
     design_plane,
+    design_space,
     front,
     orientations,
     performance_chart,
@@ -55,6 +57,14 @@ def test_a_chart_marks_three_designs() -> None:
     figure = chart_figure(performance_chart(design_plane(0.19), Comparison(step=0.01)))
     assert figure.legends[0].get_texts()[1].get_text() == "reported optimum"
     assert "best" in figure.axes[0].get_title(loc="left")
+
+
+def test_the_space_has_its_nine_edges_and_marks_three_designs() -> None:
+    figure = space_figure(performance_chart(design_space(0.19), Comparison(step=0.01)))
+    space, flat = figure.axes[:2]
+    assert len(space.lines) == 9
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["original", "reported optimum", "best"]
+    assert all((line.get_xdata() <= 1.0).all() for line in flat.lines)
 
 
 def test_a_front(tmp_path: Path) -> None:

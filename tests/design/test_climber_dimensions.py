@@ -97,11 +97,24 @@ def test_the_continuous_optimum_is_no_worse_than_the_chart() -> None:
 
 def test_the_reported_optimum_is_none_under_any_reading() -> None:
     asked = readings(0.005)
-    assert len(asked) == len(set(asked)) == 32
+    assert len(asked) == len(set(asked)) == 64
     for one in asked:
         found = read(one, 0.1)
         assert found.best > found.paper + 0.1
         assert not found.paper_is_local
+
+
+@pytest.mark.parametrize("neutral", ["none", "normal", "home"])
+def test_exchanging_the_platforms_exchanges_l3_and_l4(neutral: Any) -> None:
+    """Text, k = 1, parallel platforms: rated with the base moving a design is its mirror image with the platform."""
+    ratios = design_plane(0.19)
+    mirrored = ratios[:, [0, 1, 3, 2]]
+    for rectangle in (PRESCRIBED, None):
+        asked = Comparison(rectangle, step=0.002, neutral=neutral)
+        here, there = rate(ratios, replace(asked, moving="base")), rate(mirrored, asked)
+        assert here.mean == pytest.approx(there.mean, abs=1e-9)
+        assert here.least == pytest.approx(there.least, abs=1e-9)
+        assert here.area == pytest.approx(there.area)
 
 
 def test_of_points_on_a_curve_none_beats_another() -> None:

@@ -28,9 +28,9 @@ from steeplejack.robots.pipe_climber.jacobian import jacobian
 
 pytestmark = pytest.mark.long
 
-REFERENCE: dict[str, Any] = tomllib.loads(
-    (Path(__file__).parents[1] / "reference" / "pipe_climber_design.toml").read_text()
-)
+FOLDER = Path(__file__).parents[1] / "reference"
+REFERENCE: dict[str, Any] = tomllib.loads((FOLDER / "pipe_climber_design.toml").read_text())
+SINGULARITY: dict[str, Any] = tomllib.loads((FOLDER / "pipe_climber.toml").read_text())["singularity"]
 TEXT = Layout((0.100, 0.100, 0.075, 0.075))
 NAMES = ["text_none", "text_home", "equations_none", "equations_home"]
 
@@ -120,7 +120,7 @@ def test_the_volume_adds_up_areas() -> None:
 
 def test_nothing_within_thirty_degrees_is_singular() -> None:
     least = least_determinant(np.array([[1.0, 1.0, 0.75, 0.75]]), Comparison(step=0.002), 0.001)
-    assert least == pytest.approx(REFERENCE["singularity"]["least_determinant"], abs=0.005)
+    assert least == pytest.approx(SINGULARITY["least_det_per_l1"], abs=0.005)
     for alpha in np.radians([-30.0, 0.0, 30.0]):
         single = workspace_area(TEXT, alpha)
         assert single == pytest.approx(require_poses(TEXT, alpha), rel=1e-12)
@@ -139,6 +139,15 @@ def test_limits_from_the_normals_empty_the_outer_slices(alpha: float) -> None:
 def test_steps_out_of_range(step: float) -> None:
     with pytest.raises(InputError, match="step"):
         workspace_cells(TEXT, 0.0, step)
+
+
+@pytest.mark.parametrize("largest", [100.0, 1e6])
+def test_no_step_suits_limbs_far_shorter_than_the_platforms(largest: float) -> None:
+    """The range of steps would be upside down; the dimensions are named instead."""
+    huge = Layout((0.5 * largest, 0.5 * largest, largest, largest))
+    with pytest.raises(InputError, match=r"dimensions: .*; lengths of up to 92\.7 m"):
+        workspace_cells(huge, 0.0, 0.001)
+    assert workspace_cells(Layout((46.0, 46.0, 92.0, 92.0)), 0.0, 0.024).tolist() == [0]
 
 
 @pytest.mark.parametrize("alpha", [math.nan, math.inf])

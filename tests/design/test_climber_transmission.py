@@ -167,8 +167,9 @@ def test_an_empty_workspace_names_its_limit() -> None:
         transmission_map(replace(TEXT, neutral="normal"), 1e-3, np.pi / 6)
     with pytest.raises(InfeasibleError, match="assembly mode"):
         transmission_map(TEXT, 1e-3, np.pi)
-    with pytest.raises(InfeasibleError, match="limb lengths of 0.12 to 0.24 m"):
-        transmission_map(Layout((0.7, 0.1, 0.3, 0.1)), 1e-3)
+    for lengths in ((0.7, 0.1, 0.3, 0.1), (1e6, 1e6, 1e5, 1e5)):
+        with pytest.raises(InfeasibleError, match="limb lengths of 0.12 to 0.24 m"):
+            transmission_map(Layout(lengths), 1e-3)
     singular = Layout((0.05, 0.03, 0.10, 0.06))  # K = L3 (L2 - L4) + L1 L4 = 0
     with pytest.raises(InfeasibleError, match="no working mode"):
         transmission_map(singular, 1e-3)

@@ -12,7 +12,9 @@ from climber_cases import REFERENCE, layout
 
 from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
-from steeplejack.robots.pipe_climber.motion import Motion, eq27, eq27_printed, limb_states, load_motion, states
+from steeplejack.robots.pipe_climber.motion import Motion, eq27, eq27_printed, limb_states, states
+from steeplejack.robots.pipe_climber.motion_file import load_motion
+from steeplejack.robots.pipe_climber.sampled_motion import SampledMotion
 from steeplejack.robots.pipe_climber.violations import Violation, violations
 
 ROBOT = load_pipe_climber()
@@ -90,6 +92,7 @@ def test_a_gentle_motion_violates_nothing(tmp_path: Path) -> None:
     path = tmp_path / "lift.toml"
     path.write_text(LIFT)
     motion = load_motion(path)
+    assert isinstance(motion, Motion)
     assert (motion.name, motion.duration, motion.alpha, motion.offset) == ("lift", 4.0, (0.0,), "turning")
     assert violations(ROBOT, layout(), motion, 0.0) == []
 
@@ -128,12 +131,92 @@ def test_a_motion_through_a_singularity_is_told() -> None:
         (LIFT + "speed = 3\n", "speed"),
         (LIFT + 'offset = "sideways"\n', "offset"),
         ("name = ", "Invalid"),
+        ("x_m = " + "[" * 5000, "motion"),
+        ("duration_s = " + "9" * 5000, "motion"),
+        ("\xff", "motion"),
     ],
 )
 def test_files_that_are_no_motion(tmp_path: Path, text: str, field: str) -> None:
     path = tmp_path / "motion.toml"
-    path.write_text(text)
+    path.write_bytes(text.encode("latin-1"))
     with pytest.raises(InputError, match=field) as refused:
+        load_motion(path)
+    assert "\n" not in str(refused.value)
+
+
+def sampled(motion: Motion, step: float) -> SampledMotion:
+    times = np.arange(0.0, motion.duration + 0.5 * step, step)
+    return SampledMotion(motion.name, times, motion.coordinates(times)[..., 0], motion.offset)
+
+
+def test_samples_of_eq27_ask_for_what_eq27_asks_for() -> None:
+    claw = CASE["claw_offset"]
+    times = np.linspace(0.0, 10.0, 4001)  # seven of eight between two samples, where the spline is not exact by itself
+    exact = limb_states(layout(), eq27(), times, claw)
+    coarse, fine = (limb_states(layout(), sampled(eq27(), step), times, claw) for step in (0.2, 0.02))
+    for order, tolerance in enumerate((4e-11, 1.2e-8, 2.3e-6)):
+        assert np.abs(fine[order] - exact[order]).max() < tolerance
+        # Ten times as many samples: of the order h^4, h^3, h^2.
+        assert (
+            np.abs(coarse[order] - exact[order]).max()
+            > 0.5 * 10.0 ** (4 - order) * np.abs(fine[order] - exact[order]).max()
+        )
+    found, expected = (violations(ROBOT, layout(), one, claw) for one in (sampled(eq27(), 0.02), eq27()))
+    assert [(one.limb, one.what, one.limit) for one in found] == [(one.limb, one.what, one.limit) for one in expected]
+    assert [one.value for one in found] == pytest.approx([one.value for one in expected], abs=1e-7)
+    assert [one.from_s for one in found] == pytest.approx([one.from_s for one in expected], abs=1e-5)
+
+
+def test_a_singularity_between_samples_is_placed_in_time() -> None:
+    turning = Motion("over", 4.0, (0.0,), (0.16,), (0.0, -0.6))
+    for offset in ("turning", "along-z"):
+        exact, found = (
+            of(violations(ROBOT, layout(), one, 0.03), "singularity")[0]
+            for one in (replace(turning, offset=offset), sampled(replace(turning, offset=offset), 0.25))
+        )
+        assert found.from_s == pytest.approx(exact.from_s, abs=1e-6)
+
+
+SAMPLES = "t_s, x_m, z_m, alpha_deg\n0, 0, 0.15, 0\n1, 0, 0.16, 2\n2, 0, 0.17, 4\n3, 0, 0.18, 6\n"
+
+
+def test_samples_from_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "lift.csv"
+    for text in (SAMPLES, "\ufeff" + SAMPLES.replace("\n", "\r\n")):
+        path.write_bytes(text.encode())
+        motion = load_motion(path)
+        assert (motion.name, motion.duration, motion.offset) == ("lift", 3.0, "turning")
+        state = states(motion, 1.5, 0.0)
+        assert state.pose == pytest.approx([0.0, 0.165, math.radians(3.0)])
+        assert state.velocity == pytest.approx([0.0, 0.01, math.radians(2.0)])
+        assert state.beta == pytest.approx([0.0, 0.0, 0.0])
+    assert violations(ROBOT, layout(), motion, 0.0) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("", "columns none"),
+        (SAMPLES.replace("z_m", "y_m"), "columns t_s, x_m, y_m"),
+        (SAMPLES.replace("alpha_deg", "x_m"), "columns t_s, x_m, z_m, x_m"),
+        (SAMPLES.replace("0.16", "nan"), "line 3 z_m"),
+        (SAMPLES.replace("0.16", "high"), "line 3 z_m: 'high'"),
+        (SAMPLES.replace("0.16", "1e300"), "line 3 z_m"),
+        (SAMPLES.replace("0.16, 2", "0.16"), "line 3: 3 cells"),
+        (SAMPLES.replace("\n2,", "\n1,"), "line 4 t_s: 1 s after 1 s"),
+        (SAMPLES.replace("\n2,", "\n0.5,"), "line 4 t_s: 0.5 s after 1 s"),
+        (SAMPLES.replace("\n0,", "\n0.1,"), "line 2 t_s"),
+        (SAMPLES.rsplit("3,", 1)[0], "3 samples"),
+        ("t_s, x_m, z_m\n", "0 samples"),
+        ('t_s, x_m, z_m\n0, 0, "0.15\n', "end of data"),
+        ("\x00,\xff", "motion"),
+        ("a" * 500_000, "motion"),
+    ],
+)
+def test_files_that_are_no_samples(tmp_path: Path, text: str, named: str) -> None:
+    path = tmp_path / "motion.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=named) as refused:
         load_motion(path)
     assert "\n" not in str(refused.value)
 

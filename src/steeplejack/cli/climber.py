@@ -47,7 +47,12 @@ def legs(
             {"limb": limb, "value_m": length, "limit_m": limit} for limb, length, limit in _off_stroke(machine, lengths)
         ],
     }
-    emit(answer) if json else show(answer)
+    if json:
+        emit(answer)
+    else:
+        show({"q_m": lengths})
+        for limb, length, bound in _off_stroke(machine, lengths):
+            print(f"limb {limb} is {length:.6g} m long, its own cylinder ends at {bound:.6g} m")
     if beyond:
         say("out of reach: " + "; ".join(map(str, beyond)))
         raise typer.Exit(INFEASIBLE)
@@ -88,7 +93,9 @@ def platform(
 
 
 def motion(
-    motion: Annotated[str, typer.Argument(help="eq27, eq27-printed or a TOML file of polynomials.")],
+    motion: Annotated[
+        str, typer.Argument(help="eq27, eq27-printed, a TOML file of polynomials or a CSV file of samples.")
+    ],
     at: Annotated[float, typer.Option("--at", help="Moment of the motion [s].")],
     hz_m: Annotated[float | None, typer.Option(help="From O2 to the claw; by default as in the robot file.")] = None,
     robot: ClimberRobot = BUILT_IN,
@@ -98,7 +105,8 @@ def motion(
     json: Json = False,
 ) -> None:
     """Limbs along a motion of the claw: lengths, speeds and accelerations at a moment, violations over all of it."""
-    from steeplejack.robots.pipe_climber.motion import limb_states, load_motion
+    from steeplejack.robots.pipe_climber.motion import limb_states
+    from steeplejack.robots.pipe_climber.motion_file import load_motion
     from steeplejack.robots.pipe_climber.violations import violations
 
     machine, layout = climber(robot, convention, dims, joint_neutral)

@@ -7,17 +7,17 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 
 from steeplejack.cli.climber_options import ClimberConvention, ClimberDims, ClimberRobot, JointNeutral, climber
-from steeplejack.cli.terminal import Json, bar, emit, show, target, writing
+from steeplejack.cli.terminal import Ended, Json, bar, emit, show, target, writing
 from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber.parameters import BUILT_IN
 
 if TYPE_CHECKING:
-    from steeplejack.design.climber import Chart, Comparison, Rectangle
+    from steeplejack.design.climber import Chart, Comparison, Rectangle, TransmissionMap
 
 Sides = tuple[float, float, float, float]
 
@@ -88,8 +88,7 @@ def transmission(
     answer: dict[str, Any] = {
         "gti": found.gti,
         "mean": found.mean,
-        "min": dict(zip(("lti", "x_m", "w_m"), found.least, strict=True)),
-        "max": dict(zip(("lti", "x_m", "w_m"), found.largest, strict=True)),
+        **{name: dict(zip(("lti", "x_m", "w_m"), place, strict=True)) for name, place in _ends(found).items()},
         "cells": found.cells,
         "within_limits": found.within_limits,
     }
@@ -98,7 +97,8 @@ def transmission(
 
         name = f"α = {alpha_deg:g}°, {moving} moving"
         answer["figure"] = _write(transmission_figure({name: found}), out / "transmission.svg")
-    emit(answer) if json else show(answer)
+    places = {name: f"{lti:.6g} at x {x:.6g} m, w {w:.6g} m" for name, (lti, x, w) in _ends(found).items()}
+    emit(answer) if json else show(answer | places)
 
 
 def dimensions(
@@ -116,7 +116,9 @@ def dimensions(
     robot: ClimberRobot = BUILT_IN,
     convention: ClimberConvention = None,
     dims: ClimberDims = None,
-    out: Annotated[Path | None, typer.Option("--out", help="Folder for dimensions.svg.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for dimensions.svg, and with --study space.svg.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Performance chart (Fig. 13-15): the best dimensions, beside the paper's optimum and the original."""
@@ -153,20 +155,42 @@ def dimensions(
 
         plane = chart if study is None else performance_chart(designs, asked)
         answer["figure"] = _write(chart_figure(plane), out / "dimensions.svg")
-    emit(answer) if json else show(answer)
+        if study is not None:
+            from steeplejack.design.charts.climber_space import space_figure
+
+            answer["space_figure"] = _write(space_figure(chart), out / "space.svg")
+    emit(answer) if json else show({name: _in_words(value) for name, value in answer.items()})
+
+
+def _ends(found: TransmissionMap) -> dict[str, tuple[float, float, float]]:
+    """Least and largest value of a map and their places."""
+    return {"min": found.least, "max": found.largest}
+
+
+def _in_words(value: Any) -> Any:
+    """A design of the answer for a person; anything else as it is."""
+    if not isinstance(value, dict):
+        return value
+    design = cast("dict[str, Any]", value)
+    ratio = " : ".join(f"{length:.4g}" for length in design["ratio"])
+    better = f", {design['better']:.0%} of the designs are better" if "better" in design else ""
+    return f"{ratio}, GTI {design['gti']:.4f}{better}"
 
 
 def _study(asked: Comparison, step: float, folder: Path, workers: int) -> Chart:
     """The chart of the whole design space, with a progress bar, on a cluster if there are workers."""
-    from steeplejack.design.climber import Study, claim_study, local_cluster, run_study
+    from steeplejack.design.climber import LostClusterError, Study, claim_study, local_cluster, run_study
 
     study = Study(asked, step)
     chunks = float(study.chunks)
     claim_study(study, folder)  # before the bar, so that a refusal is all there is on stderr
-    with ExitStack() as stack:
-        client = stack.enter_context(local_cluster(workers)) if workers else None
-        advance: Callable[[float], None] = stack.enter_context(bar("designs", chunks))
-        return run_study(study, folder, client, lambda done, _all: advance(float(done)))
+    try:
+        with ExitStack() as stack:
+            client = stack.enter_context(local_cluster(workers)) if workers else None
+            advance: Callable[[float], None] = stack.enter_context(bar("designs", chunks))
+            return run_study(study, folder, client, lambda done, _all: advance(float(done)))
+    except LostClusterError as error:
+        raise Ended(str(error)) from None
 
 
 def _write(figure: Any, path: Path) -> str:

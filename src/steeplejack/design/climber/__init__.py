@@ -26,7 +26,7 @@ from steeplejack.design.climber.reach import (
 )
 from steeplejack.design.climber.readings import PRESCRIBED, Reading, read, readings
 from steeplejack.design.climber.region import Rectangle
-from steeplejack.design.climber.study import Study, claim_study, local_cluster, read_study, run_study
+from steeplejack.design.climber.study import LostClusterError, Study, claim_study, local_cluster, read_study, run_study
 from steeplejack.design.climber.transmission import Moving, local_transmission, output_transmission, transmission_grid
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "Chart",
     "Comparison",
     "Front",
+    "LostClusterError",
     "Moving",
     "Optimum",
     "Places",

@@ -106,8 +106,8 @@ def transmission_map(
 
 
 def _over_workspace(layout: Layout, step: float, alpha: float, moving: Moving) -> TransmissionMap:
+    area = require_poses(layout, alpha)  # first, because the limit that empties it says more than a step does
     side = checked_step(layout, step)
-    area = require_poses(layout, alpha)
     places = places_at(layout, np.array([float(alpha)]), 1.0, side)
     within = places.turn > 0.0
     if not within.any():

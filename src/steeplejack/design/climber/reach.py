@@ -197,11 +197,15 @@ def checked_step(layout: Layout, step: float) -> float:
     """A side of cells that the workspace of a layout can be cut into.
 
     Raises:
-        InputError: Too coarse to show it, or too fine to be counted.
+        InputError: Too coarse to show it, or too fine to be counted; dimensions next to which limbs are so short that
+            every step is one or the other.
     """
-    coarse = 0.1 * layout.reach[1]
-    size = layout.reach[1] + max(layout.lengths)
-    fine = math.sqrt(2.0 * size * size / MOST_CELLS)
+    coarse, longest = 0.1 * layout.reach[1], max(layout.lengths)
+    fine = math.sqrt(2.0 / MOST_CELLS) * (layout.reach[1] + longest)
+    if fine > coarse:
+        largest = coarse * math.sqrt(0.5 * MOST_CELLS) - layout.reach[1]
+        what = f"a length of {longest:g} m with limbs of up to {layout.reach[1]:g} m"
+        raise InputError("dimensions", what, f"lengths of up to {largest:.3g} m for a grid of cells")
     if not fine <= step <= coarse:
         raise InputError("step", f"{step:g} m", f"{fine:.2g} to {coarse:.2g} m")
     return float(step)

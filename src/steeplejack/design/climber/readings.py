@@ -1,14 +1,16 @@
 """The paper's optimum under every reading of its normalisation, beside the original and the best there is.
 
-Section 5.2 says neither at which scale designs are compared, nor over which region, nor from where joint limits count,
-and Table II and Eq. 5 disagree on the base. Each combination is a `Comparison`; under none of them is the reported
-1 : 1 : 0.75 : 0.65 the best, nor better than all of its neighbours.
+Section 5.2 says neither at which scale designs are compared, nor over which region, nor from where joint limits count;
+Table II and Eq. 5 disagree on the base; and the index depends on which platform moves, which section 5.1 denies. Each
+combination is a `Comparison`; under none of them is the reported 1 : 1 : 0.75 : 0.65 the best, nor better than all of
+its neighbours.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import cast, get_args
 
 import numpy as np
@@ -16,6 +18,7 @@ import numpy as np
 from steeplejack.design.climber.dimensions import ORIGINAL, PAPER, Ratio, design_plane, performance_chart, rating
 from steeplejack.design.climber.ratings import Comparison, Scale, rate
 from steeplejack.design.climber.region import Rectangle
+from steeplejack.design.climber.transmission import Moving
 from steeplejack.errors import InfeasibleError
 from steeplejack.robots.pipe_climber.parameters import Convention, Neutral
 
@@ -49,14 +52,17 @@ class Reading:
 
 
 def readings(step: float = 0.002) -> list[Comparison]:
-    """The 32 readings: scale x convention x (rectangle, or workspace with each neutral) x (parallel, within 30 deg)."""
+    """The 64 readings: moving body x orientations x scale x convention x region.
+
+    Regions are the rectangle, and each design's own workspace with each neutral.
+    """
+    bodies, scales = cast("tuple[Moving, ...]", get_args(Moving)), cast("tuple[Scale, ...]", get_args(Scale))
+    conventions, neutrals = cast("tuple[Convention, ...]", get_args(Convention)), get_args(Neutral)
     found: list[Comparison] = []
-    for alphas in ((0.0,), WITHIN):
-        for scale in cast("tuple[Scale, ...]", get_args(Scale)):
-            for convention in cast("tuple[Convention, ...]", get_args(Convention)):
-                plain = Comparison(alphas=alphas, step=step, scale=scale, convention=convention)
-                found.append(replace(plain, rectangle=PRESCRIBED))
-                found += [replace(plain, neutral=one) for one in cast("tuple[Neutral, ...]", get_args(Neutral))]
+    for moving, alphas, scale, convention in product(bodies, ((0.0,), WITHIN), scales, conventions):
+        plain = Comparison(None, alphas, step, scale, convention, moving)
+        found.append(replace(plain, rectangle=PRESCRIBED))
+        found += [replace(plain, neutral=neutral) for neutral in neutrals]
     return found
 
 

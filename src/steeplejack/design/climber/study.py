@@ -2,7 +2,8 @@
 
 A study is a folder. ``study.json`` says what is asked; every finished chunk is a file ``chunk-00000.npy`` that appears
 whole or not at all, because it is written under another name, flushed to the disk and renamed. Whoever computes a chunk
-writes it, so a kill of anything at any moment costs the chunks in work and none that is finished. On a cluster of
+writes it, so a kill of anything at any moment costs the chunks in work and none that is finished. A worker that dies is
+replaced and its chunks are given out again; those that it had finished are not computed a second time. On a cluster of
 several machines the folder has to be shared between them.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,15 +25,19 @@ from numpy.typing import NDArray
 
 from steeplejack.design.climber.dimensions import Chart, design_space
 from steeplejack.design.climber.ratings import Comparison, Ratings, rate
-from steeplejack.errors import InputError
+from steeplejack.errors import InputError, SteeplejackError
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, WorkerPlugin
 
 Array = NDArray[np.float64]
 
 JOB = 30_000_000  # poses of a chunk: two tenths of a second and more on one core
 QUESTION = "study.json"
+
+
+class LostClusterError(SteeplejackError):
+    """The cluster went away, or a chunk's workers died one after the other; what is finished is kept."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,7 @@ def run_study(
 
     Raises:
         InputError: A folder with another study in it.
+        LostClusterError: The cluster is gone; run again, and the study goes on with what is missing.
     """
     place = Path(folder)
     claim_study(study, place)
@@ -134,7 +141,19 @@ def local_cluster(workers: int) -> Generator[Client]:
         LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
         Client(cluster) as client,
     ):
+        client.register_plugin(_deaf_to_interrupts())
         yield client
+
+
+def _deaf_to_interrupts() -> WorkerPlugin:
+    """Lets workers, which a terminal sends Ctrl-C too, leave it to the client to end them."""
+    from distributed import WorkerPlugin
+
+    class DeafToInterrupts(WorkerPlugin):
+        def setup(self, worker: object) -> None:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    return DeafToInterrupts()
 
 
 def compute_chunk(study: Study, folder: str, index: int) -> int:
@@ -153,11 +172,11 @@ def compute_chunk(study: Study, folder: str, index: int) -> int:
 
 
 def _on_one_core(study: Study, folder: str, index: int) -> int:
-    """`compute_chunk` in a worker, of which there is one a core."""
+    """`compute_chunk` in a worker, of which there is one a core; not again what one that died had finished."""
     import numba
 
     numba.set_num_threads(1)
-    return compute_chunk(study, folder, index)
+    return index if _finished(study, Path(folder), index) is not None else compute_chunk(study, folder, index)
 
 
 def _in_process(study: Study, place: Path, missing: list[int]) -> Generator[int]:
@@ -166,13 +185,18 @@ def _in_process(study: Study, place: Path, missing: list[int]) -> Generator[int]
 
 
 def _on_cluster(study: Study, place: Path, missing: list[int], client: Client) -> Generator[int]:
-    from distributed import as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
+    from distributed.comm.core import CommClosedError
 
-    futures = client.map(
-        _on_one_core, [study] * len(missing), [str(place.resolve())] * len(missing), missing, pure=False
-    )
-    for future in as_completed(futures):
-        yield future.result()
+    folders = [str(place.resolve())] * len(missing)
+    try:
+        futures = client.map(_on_one_core, [study] * len(missing), folders, missing, pure=False)
+        for future in as_completed(futures):
+            yield future.result()
+    except (CancelledError, CommClosedError, KilledWorker) as error:
+        raise LostClusterError(
+            f"{place}: the cluster is lost ({type(error).__name__}); finished chunks are kept, run the study again"
+        ) from None
 
 
 def claim_study(study: Study, folder: str | Path) -> None:

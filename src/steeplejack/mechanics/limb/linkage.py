@@ -34,7 +34,7 @@ LETTERS: dict[str, str] = {kind: kind[0].upper() for kind in NEEDED} | {"planar"
 FREEDOMS = {"revolute": 1, "prismatic": 1, "helical": 1, "cylindrical": 2, "universal": 2, "spherical": 3, "planar": 3}
 SHORTEST_AXIS = 1e-9
 """Length of a direction below which it is none, and sine between the axes of a universal joint likewise [1]."""
-LARGEST = 1e9
+LARGEST = 1e12
 """Number beyond which a coordinate is a mistake [m]."""
 MOST_FREEDOMS = 120
 """Sum over the joints; a linkage of more would take minutes."""

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 RANK = 1e-8
 """Singular value, of the largest one, up to which directions count as dependent [1]."""
 
-CLOSEST = 1e-9
-"""Size of a mechanism below which its points count as one [m]."""
+CLOSEST = 1e-14
+"""Size of a mechanism below which its points count as one: what rounding leaves of a metre, and no mechanism [m]."""
 
 
 @dataclass(frozen=True)

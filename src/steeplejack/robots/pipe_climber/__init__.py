@@ -1,7 +1,8 @@
 """The pipe climber: 3-RPR parallel mechanism, remote-centre-of-motion linkage, two grippers.
 
 What is here is the machine as data. Its mathematics is imported from the module it is about: `poses`, `inverse`,
-`forward`, `certificate`, `jacobian`, `joints`, `screws`, `linkage`, `grippers`, `motion`, `violations`, `singularity`,
+`forward`, `certificate`, `jacobian`, `joints`, `screws`, `linkage`, `grippers`, `motion`,
+`motion_file`, `sampled_motion`, `violations`, `singularity`,
 `singular_path`, `singular_slice`, `statics`, `mechanism`.
 """
 

@@ -1,26 +1,16 @@
-"""Motions of the claw as polynomials of time: Eq. 27 as printed and as it must read, or any other from a file.
+"""Motions of the claw, and the limbs along them: Eq. 27 as printed and as it must read, or any polynomials of time.
 
-A motion file is TOML, coefficients in rising powers of t [s]:
-
-    name = "lift"
-    duration_s = 2.0
-    offset = "turning"               # hz turns with alpha, or "along-z" as in Eq. 8 (default "turning")
-    x_m = [0.0]
-    z_m = [0.150, 0.0, 0.075, -0.025]
-    alpha_deg = [0.0]
-    beta_deg = [0.0]                 # optional, as alpha_deg is
-
-Samples are better fitted before they come here: velocity and acceleration are derivatives of what is given.
+`motion_file` reads motions, `sampled_motion` has those that are known by samples alone. Whatever gives coordinates with
+two derivatives, and the polynomials it is made of, is a motion (`Trajectory`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
+from typing import NamedTuple, Protocol
 
-import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -30,26 +20,43 @@ from steeplejack.robots.pipe_climber.joints import joint_accelerations, joint_ra
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.poses import Array, Offset
 
-Coefficients = Annotated[tuple[float, ...], msgspec.Meta(min_length=1)]
-
 DURATION = 10.0
 """Of Eq. 27 [s]."""
-SHORTEST, LONGEST = 1e-3, 1e6
-"""Durations a motion may have [s]."""
-LARGEST = 1e6
-"""What each term of a polynomial may come to within the motion, in the file's unit: no machine, and no overflow."""
 
 
-class MotionFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """The file as it is written, lengths in metres and angles in degrees."""
+class Piece(NamedTuple):
+    """A stretch of a motion in which x, z and alpha are polynomials of the time since it began."""
 
-    name: str
-    duration_s: Annotated[float, msgspec.Meta(gt=0.0)]
-    x_m: Coefficients
-    z_m: Coefficients
-    alpha_deg: Coefficients = (0.0,)
-    beta_deg: Coefficients = (0.0,)
-    offset: Offset = "turning"
+    begin: float  # [s]
+    end: float  # [s]
+    polynomials: tuple[ArrayLike, ArrayLike, ArrayLike]  # rising powers [m, m, rad]
+
+
+class Trajectory(Protocol):
+    """A motion of the claw's centre relative to the base: what limbs and limits need to know of one."""
+
+    @property
+    def name(self) -> str:
+        """For people."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """It runs from t = 0 to this [s]."""
+        ...
+
+    @property
+    def offset(self) -> Offset:
+        """Whether hz turns with alpha or lies along Z, as Eq. 8 has it."""
+        ...
+
+    def coordinates(self, times: Array) -> Array:
+        """x, z, alpha and beta with two derivatives at times (...), (..., 4, 3) [m, m, rad, rad; per s; per s2]."""
+        ...
+
+    def pieces(self) -> Iterator[Piece]:
+        """What it is made of, in the order of time."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -73,6 +80,14 @@ class Motion:
     alpha: tuple[float, ...] = (0.0,)
     beta: tuple[float, ...] = (0.0,)
     offset: Offset = "turning"
+
+    def coordinates(self, times: Array) -> Array:
+        """x, z, alpha and beta with two derivatives at times (...), (..., 4, 3)."""
+        return np.stack([_with_derivatives(one, times) for one in (self.x, self.z, self.alpha, self.beta)], axis=-2)
+
+    def pieces(self) -> Iterator[Piece]:
+        """One."""
+        yield Piece(0.0, self.duration, (self.x, self.z, self.alpha))
 
 
 @dataclass(frozen=True)
@@ -115,29 +130,7 @@ def _eq27(name: str, last: float) -> Motion:
     )
 
 
-def load_motion(motion: str | Path) -> Motion:
-    """A motion by name, ``eq27`` or ``eq27-printed``, or from a TOML file.
-
-    Raises:
-        InputError: No such file, an unknown or missing key, a number that is not finite or of no machine.
-    """
-    if str(motion) in ("eq27", "eq27-printed"):
-        return eq27() if str(motion) == "eq27" else eq27_printed()
-    try:
-        text = Path(motion).read_bytes()
-    except OSError as error:
-        raise InputError(str(motion), error.strerror or "cannot be read", "eq27, eq27-printed or a TOML file") from None
-    try:
-        given = msgspec.toml.decode(text, type=MotionFile)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        valid = "name, duration_s, x_m, z_m and, optional, alpha_deg, beta_deg, offset"
-        raise InputError(str(motion), str(error).replace("\n", " "), valid) from None
-    _require_sizes(str(motion), given)
-    alpha, beta = _radians(*given.alpha_deg), _radians(*given.beta_deg)
-    return Motion(given.name, given.duration_s, given.x_m, given.z_m, alpha, beta, given.offset)
-
-
-def states(motion: Motion, times: ArrayLike, claw_offset: float) -> PoseState:
+def states(motion: Trajectory, times: ArrayLike, claw_offset: float) -> PoseState:
     """Pose of O2 and its derivatives along a motion of the claw.
 
     Args:
@@ -155,7 +148,7 @@ def states(motion: Motion, times: ArrayLike, claw_offset: float) -> PoseState:
     if not ((given >= 0.0) & (given <= motion.duration)).all():
         worst = float(given.flat[np.argmax(~((given >= 0.0) & (given <= motion.duration)))])
         raise InputError("time", f"{worst:g} s", f"within the motion, 0 to {motion.duration:g} s")
-    x, z, alpha, beta = (_with_derivatives(one, given) for one in (motion.x, motion.z, motion.alpha, motion.beta))
+    x, z, alpha, beta = np.moveaxis(motion.coordinates(given), -2, 0).copy()
     if motion.offset == "along-z":
         z[..., 0] -= claw_offset
     else:
@@ -167,7 +160,7 @@ def states(motion: Motion, times: ArrayLike, claw_offset: float) -> PoseState:
     return PoseState(pose, velocity, acceleration, beta)
 
 
-def limb_states(layout: Layout, motion: Motion, times: ArrayLike, claw_offset: float) -> tuple[Array, Array, Array]:
+def limb_states(layout: Layout, motion: Trajectory, times: ArrayLike, claw_offset: float) -> tuple[Array, Array, Array]:
     """Lengths, speeds and accelerations of the limbs along a motion.
 
     Args:
@@ -183,22 +176,6 @@ def limb_states(layout: Layout, motion: Motion, times: ArrayLike, claw_offset: f
     rates = joint_rates(layout, state.pose, state.velocity)
     seconds = joint_accelerations(layout, state.pose, state.velocity, state.acceleration)
     return limb_lengths(layout, state.pose), rates[..., 1], seconds[..., 1]
-
-
-def _require_sizes(where: str, given: MotionFile) -> None:
-    """Refuse numbers that are not finite, and those so large that no polynomial of a machine has them."""
-    fields = ("x_m", "z_m", "alpha_deg", "beta_deg")
-    for field in ("duration_s", *fields):
-        if not np.isfinite(getattr(given, field)).all():
-            raise InputError(where, f"`{field}` is not finite", "finite numbers")
-    if not SHORTEST <= given.duration_s <= LONGEST:
-        raise InputError(where, f"`duration_s` is {given.duration_s:g} s", f"{SHORTEST:g} to {LONGEST:g} s")
-    for field in fields:
-        for power, one in enumerate(getattr(given, field)):
-            # In logarithms, because the power itself may overflow.
-            if one and math.log10(abs(one)) + power * math.log10(given.duration_s) > math.log10(LARGEST):
-                what = f"`{field}` has {one:g} t^{power}, with t up to {given.duration_s:g} s"
-                raise InputError(where, what, f"terms of at most {LARGEST:g} within the motion")
 
 
 def _with_derivatives(coefficients: tuple[float, ...], times: Array) -> Array:

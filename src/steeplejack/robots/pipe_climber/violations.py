@@ -18,7 +18,7 @@ import numpy as np
 from steeplejack.robots.pipe_climber.inverse import ROUNDING, hinge_angles, limb_lengths
 from steeplejack.robots.pipe_climber.joints import joint_rates
 from steeplejack.robots.pipe_climber.layout import Layout
-from steeplejack.robots.pipe_climber.motion import Motion, states
+from steeplejack.robots.pipe_climber.motion import Trajectory, states
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.poses import Array
 from steeplejack.robots.pipe_climber.singular_path import check_polynomials
@@ -52,7 +52,7 @@ class Violation(NamedTuple):
     unit: Literal["m", "m/s", "deg"]
 
 
-def violations(robot: PipeClimber, layout: Layout, motion: Motion, claw_offset: float) -> list[Violation]:
+def violations(robot: PipeClimber, layout: Layout, motion: Trajectory, claw_offset: float) -> list[Violation]:
     """Every limit a motion passes, in the order of time.
 
     Args:
@@ -85,7 +85,7 @@ def violations(robot: PipeClimber, layout: Layout, motion: Motion, claw_offset: 
     return sorted(found, key=lambda one: (one.from_s, one.limb or 0, one.what))
 
 
-def _hinges(layout: Layout, motion: Motion, claw_offset: float, limb: int) -> list[Violation]:
+def _hinges(layout: Layout, motion: Trajectory, claw_offset: float, limb: int) -> list[Violation]:
     """Turns of the hinges of a limb beyond their limit."""
     if layout.neutral == "none":
         return []
@@ -102,20 +102,22 @@ def _hinges(layout: Layout, motion: Motion, claw_offset: float, limb: int) -> li
     return found
 
 
-def _singularities(layout: Layout, motion: Motion, claw_offset: float) -> list[Violation]:
+def _singularities(layout: Layout, motion: Trajectory, claw_offset: float) -> list[Violation]:
     """The first place where the motion crosses the singular surface; where that is open, one that says so."""
     turning = claw_offset if motion.offset == "turning" else 0.0
-    lowered = (motion.z[0] - (claw_offset - turning), *motion.z[1:])
-    check = check_polynomials(layout, (motion.x, lowered, motion.alpha), (0.0, motion.duration), turning)
-    if check.between is None:
-        return []
-    low, high = check.between
-    what: What = "singularity" if check.verdict == "crosses" else "singularity not excluded"
-    return [Violation(None, what, low, high, low, 0.0, 0.0, "m")]
+    for begin, end, (x, z, alpha) in motion.pieces():
+        lowered = np.array(z, dtype=np.float64)
+        lowered[0] -= claw_offset - turning
+        check = check_polynomials(layout, (x, lowered, alpha), (0.0, end - begin), turning)
+        if check.between is not None:
+            low, high = check.between
+            what: What = "singularity" if check.verdict == "crosses" else "singularity not excluded"
+            return [Violation(None, what, begin + low, begin + high, begin + low, 0.0, 0.0, "m")]
+    return []
 
 
 def _beyond(
-    motion: Motion,
+    motion: Trajectory,
     limb: int | None,
     what: What,
     unit: Literal["m", "m/s", "deg"],
@@ -143,7 +145,7 @@ def _beyond(
     return found
 
 
-def _travel(motion: Motion, limb: int, curve: Curve, stroke: float) -> list[Violation]:
+def _travel(motion: Trajectory, limb: int, curve: Curve, stroke: float) -> list[Violation]:
     """Travel of a limb over the motion beyond the stroke of one cylinder, wherever that is mounted."""
     times = np.linspace(0.0, motion.duration, SAMPLES)
     longest = _worst(curve, times, 0.0, motion.duration)
