@@ -181,7 +181,12 @@ OPTIONS = {
     "backward step": ([*MAP[:4], "--step-m", "-0.01"], ("step",)),
     "step of no number": ([*MAP[:4], "--step-m", "nan"], ("step",)),
     "angle in words": (["map", "table-iii", "--phi-deg", "steep", "--step-m", "0.05"], ("--phi-deg", "steep")),
-    "angle of no number": (["map", "table-iii", "--phi-deg", "nan", "--step-m", "0.05"], ("finite angle",)),
+    "angle of no number": (
+        ["map", "table-iii", "--phi-deg", "nan", "--step-m", "0.05"],
+        ("--phi-deg", "nan", "finite"),
+    ),
+    "angles without end": (["map", "table-iii", "--phi-deg", "0:inf:1", "--step-m", "0.05"], ("--phi-deg", "finite")),
+    "too many angles": (["map", "table-iii", "--phi-deg", "0:360:1e-9", "--step-m", "0.05"], ("--phi-deg", "at most")),
     "range the wrong way": (["map", "table-iii", "--phi-deg", "60:50:1", "--step-m", "0.05"], ("--phi-deg",)),
     "range without a step": (["map", "table-iii", "--phi-deg", "50:60:0", "--step-m", "0.05"], ("--phi-deg",)),
     "mass for wrench closure": ([*MAP, "--mass-kg", "8"], ("--mass-kg", "wrench-feasible")),

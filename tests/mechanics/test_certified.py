@@ -411,3 +411,9 @@ def test_stored_rounding_bounds_what_a_last_place_changes(rng):
     sizes = np.abs(both[0]).max(axis=1)
     assert (np.abs(both[1] - both[0]).max(axis=1) <= bound + 1e-15 * sizes).all()
     assert (bound < 1e-9 * sizes.max()).all()
+
+
+def test_more_determinants_than_anyone_waits_for_are_refused(rng):
+    for facets, d, count, more in ((planar_facets, 2, 36, ()), (spatial_facets, 3, 16, (np.eye(3),))):
+        with pytest.raises(InputError, match="6000 at most"):
+            facets(rng.normal(size=(count, d)), rng.normal(size=(count, d)), *more)

@@ -324,7 +324,7 @@ def test_singular_and_hostile_matrices_have_no_slope():
 @pytest.mark.parametrize("bounds", ((2.0, 1.0), (0.0, np.inf), (np.nan, 1.0), (1.0, 1.0)))
 def test_bounds_that_are_no_window_are_refused(bounds):
     for function in (lambda *a: capacity_margin_slope(*a, 0.1), margin_slope):
-        with pytest.raises(InputError, match="tension bounds"):
+        with pytest.raises(InputError, match="tension limits"):
             function(np.eye(3, 4), np.ones(3), *bounds)
 
 
@@ -357,8 +357,8 @@ def test_fuzzed_robots_have_a_slope_or_none(rng):
         ({"structure": np.ones((7, 9))}, "structure"),
         ({"wrench": np.ones(6)}, "wrench"),
         ({"wrench": np.ones((2, 3)), "structure": np.ones((5, 3, 4))}, "wrench"),
-        ({"lower": np.ones(3)}, "tension bounds"),
-        ({"upper": "much"}, "upper"),
+        ({"lower": np.ones(3)}, "tension limits"),
+        ({"upper": "much"}, "tension limits"),
         ({"length": 0.0}, "characteristic length"),
         ({"length": np.nan}, "characteristic length"),
     ],

@@ -179,7 +179,7 @@ GOOD = {"anchors": IPANEMA_2.anchors, "attachments": IPANEMA_2.attachments, "pos
         ({"anchors": np.ones((40, 3)), "attachments": np.ones((40, 3))}, "cables"),
         ({"positions": [0.0, 0.0]}, "positions"),
         ({"positions": [[0.0, 0.0], [0.0]]}, "positions"),
-        ({"positions": np.zeros((3, 3)), "rotations": np.tile(np.eye(3), (2, 1, 1))}, "poses"),
+        ({"positions": np.zeros((3, 3)), "rotations": np.tile(np.eye(3), (2, 1, 1))}, "rotations"),
         ({"rotations": 2.0 * np.eye(3)}, "rotations"),
         ({"rotations": np.diag([1.0, 1.0, -1.0])}, "rotations"),
         ({"lower": 300.0}, "tension limits"),

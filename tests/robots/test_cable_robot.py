@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from steeplejack.errors import InputError
 from steeplejack.mechanics.cable import (
     Rest,
+    certify_poses,
     distribute,
     lost_cable,
     planar_lengths,
@@ -17,6 +20,7 @@ from steeplejack.mechanics.cable import (
     spatial_lengths,
     spatial_structure_matrix,
     tension_factor,
+    wrench_feasible,
 )
 from steeplejack.robots.cable_robot import BUILT_IN, list_cable_robots, load_cable_robot, load_caspr
 from steeplejack.robots.cable_robot.catalogue import read_parameters
@@ -343,3 +347,29 @@ def test_a_path_that_leads_to_no_file(path, message):
     with pytest.raises(InputError) as other:
         load_caspr(path)
     assert max(len(str(caught.value)), len(str(other.value))) < 400
+
+
+def test_a_weight_beside_the_reference_point_counts_once(rng):
+    robot = replace(load_cable_robot("cogiro"), centre_of_mass=np.array([0.5, -0.3, 0.4]))
+    down, seen = [0.0, 0.0, -9.81], set[bool]()
+    question = robot.pose_question(down)
+    for _ in range(12):
+        place, vector = rng.uniform([-6.0, -4.0, 1.0], [6.0, 4.0, 3.0]), rng.uniform(-0.2, 0.2, 3)
+        turn = Rotation.from_rotvec(vector).as_matrix()
+        held = wrench_feasible(robot.structure(place, turn), robot.lower, robot.upper, robot.weight(down, place, turn))
+        if abs(held.margin) > 1.0:
+            box = np.concatenate((place, vector))[:, None] + [-1e-6, 1e-6]
+            region = certify_poses(question, box, most=100)
+            assert (region.inner > 0.0, region.outer > 0.0) == (bool(held.feasible), bool(held.feasible))
+            seen.add(bool(held.feasible))
+    assert seen == {False, True}
+
+
+def test_questions_of_straight_cables_refuse_pulleys():
+    robot = load_cable_robot("cogiro")
+    wheels = replace(robot, pulley_radii=np.full(8, 0.05), pulley_axes=np.tile([0.0, 0.0, -1.0], (8, 1)))
+    for asked in (lambda: wheels.straight, lambda: wheels.pose_question([0.0, 0.0, -9.81])):
+        with pytest.raises(InputError, match="pulleys of radius 0.05 m"):
+            asked()
+    with pytest.raises(InputError, match="planar"):
+        load_cable_robot("planar-4-4").pose_question([0.0, 0.0, -9.81])

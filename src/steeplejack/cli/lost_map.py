@@ -186,7 +186,9 @@ def _worst(one: WorstCase, names: list[dict[str, Any]]) -> dict[str, Any]:
         "max_drop_m": one.drop,
         "at": None if one.at is None else names[one.at],
         "max_tension_n": one.tension,
+        "max_tension_at": None if one.tension_at is None else names[one.tension_at],
         "lowest_m": one.lowest,
+        "lowest_at": None if one.lowest_at is None else names[one.lowest_at],
         "stays_above": one.stays_above,
         "unsettled": one.unsettled,
         "unsettled_tension_n": one.unsettled_tension,
@@ -194,18 +196,21 @@ def _worst(one: WorstCase, names: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _show(found: dict[str, Any]) -> None:
-    """A table for a person: the worst of every cable."""
-    print(f"{'cable lost':<12}{'sinks by':>10}{'tension left':>14}{'lowest':>10}{'above floor':>13}  at worst from")
+    """A table for a person: the worst of every cable, each extreme with the pose it belongs to."""
+    print(f"{'cable lost':<12}{'at worst':<24}from")
     for one in found["cables"]:
-        above = {None: "-", True: "yes", False: "no"}[one["stays_above"]]
         if one["at"] is None:
-            print(f"{one['cable']:<12}{'does not settle anywhere':>34}{above:>13}")
+            print(f"{one['cable']:<12}does not settle anywhere")
             continue
-        place = ", ".join(f"{value:.4g}" if isinstance(value, float) else f"{value}" for value in one["at"].values())
-        print(
-            f"{one['cable']:<12}{one['max_drop_m']:>8.3f} m{one['max_tension_n']:>12.6g} N{one['lowest_m']:>8.3f} m"
-            f"{above:>13}  {place}"
+        rows = (
+            (f"sinks by {one['max_drop_m']:.3f} m", one["at"]),
+            (f"tension {one['max_tension_n']:.4g} N", one["max_tension_at"]),
+            (f"lowest {one['lowest_m']:.3f} m", one["lowest_at"]),
         )
+        for k, (what, place) in enumerate(rows):
+            print(f"{'' if k else one['cable']:<12}{what:<24}{_place(place)}")
+        if one["stays_above"] is not None:
+            print(f"{'':<12}{'stays above the floor' if one['stays_above'] else 'goes below the floor'}")
     for one in found["cables"]:
         if one["unsettled"]:
             print(_unsettled(one))
@@ -213,6 +218,13 @@ def _show(found: dict[str, Any]) -> None:
     for name in ("dataset", "figure"):
         if name in found:
             print(f"{name:<12}{found[name]}")
+
+
+def _place(place: dict[str, Any]) -> str:
+    """A pose by the names of its coordinates, which end in their units."""
+    return ", ".join(
+        f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in place.items()
+    )
 
 
 def _unsettled(one: dict[str, Any]) -> str:

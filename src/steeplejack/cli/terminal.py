@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import msgspec
 import typer
@@ -19,6 +19,7 @@ from steeplejack.errors import InputError, SteeplejackError
 from steeplejack.worksite import Bridge, PlanarSite, load_worksite
 
 CLOSED_PIPE, BAD_INPUT, INFEASIBLE, ENDED_EARLY, INTERRUPTED = 1, 2, 3, 4, 130
+MOST_ANGLES = 100_000
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, everything else on stderr.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for the files it writes.")]
@@ -38,7 +39,14 @@ def emit(answer: Any) -> None:
 def show(answer: dict[str, Any]) -> None:
     """Print an answer for a person, a line each."""
     for name, value in answer.items():
-        print(f"{name:<24}{f'{value:.9g}' if isinstance(value, float) else value}")
+        print(f"{name:<24}{_rounded(value)}")
+
+
+def _rounded(value: object) -> object:
+    """A value for a person: numbers without the digits nobody reads."""
+    if isinstance(value, list) and all(isinstance(one, float) for one in cast("list[object]", value)):
+        return ", ".join(f"{one:.9g}" for one in cast("list[float]", value))
+    return f"{value:.9g}" if isinstance(value, float) else value
 
 
 def say(text: str) -> None:
@@ -154,10 +162,13 @@ def angles(text: str) -> list[float]:
         numbers = [float(part) for part in parts]
     except ValueError:
         numbers = []
-    if len(numbers) == 1:
+    finite = all(math.isfinite(number) for number in numbers)
+    if finite and len(numbers) == 1:
         return [math.radians(numbers[0])]
-    if len(numbers) == 3 and numbers[2] > 0.0 and numbers[0] <= numbers[1]:
+    if finite and len(numbers) == 3 and numbers[2] > 0.0 and numbers[0] <= numbers[1]:
         low, high, step = numbers
-        count = math.floor((high - low) / step + 1e-9) + 1
-        return [math.radians(low + k * step) for k in range(count)]
-    raise InputError("--phi-deg", text, "P or A:B:S with A <= B and S > 0, in degrees")
+        if (high - low) / step < MOST_ANGLES:
+            count = math.floor((high - low) / step + 1e-9) + 1
+            return [math.radians(low + k * step) for k in range(count)]
+        raise InputError("--phi-deg", text, f"a step that makes at most {MOST_ANGLES} orientations")
+    raise InputError("--phi-deg", text, "P or A:B:S with A <= B and S > 0, finite, in degrees")

@@ -33,8 +33,9 @@ AXES = ("x", "y", "z")
 class WorstCase:
     """What the loss of one cable does at worst.
 
-    Drop, tension and lowest corner are over the poses from which the platform settles. Where ``unsettled`` is not 0
-    they say nothing about the other poses, which may be worse.
+    Drop, tension and lowest corner are over the poses from which the platform settles, each the worst by itself: the
+    poses they belong to differ. Where ``unsettled`` is not 0 they say nothing about the other poses, which may be
+    worse.
 
     Attributes:
         cable: The cable lost, from 1.
@@ -43,7 +44,9 @@ class WorstCase:
         drop: How far the reference point sinks, at most [m]; None where it nowhere settles.
         at: Index of the pose of that drop; None where it nowhere settles.
         tension: Greatest of the cables that are left, at rest [N].
+        tension_at: Index of the pose of that tension.
         lowest: Least height of a corner on the way [m].
+        lowest_at: Index of the pose of that height.
         stays_above: Whether every corner stays above the floor at every pose; None where no floor is given.
         unsettled_tension: Greatest tension at which the search stopped without rest, a sign of size and no bound; None
             where it settles from everywhere, or stopped nowhere at a number [N].
@@ -55,7 +58,9 @@ class WorstCase:
     drop: float | None
     at: int | None
     tension: float | None
+    tension_at: int | None
     lowest: float | None
+    lowest_at: int | None
     stays_above: bool | None
     unsettled_tension: float | None
 
@@ -73,11 +78,13 @@ def closure_nodes(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, s
         ``(x, y, phi)``, (n, 3) [m, m, rad].
 
     Raises:
-        InputError: A step that is not positive, or too fine.
+        InputError: A step that is not positive or too fine, or an orientation that is not finite.
     """
     fixed, angles = np.asarray(anchors, dtype=np.float64), np.atleast_1d(np.asarray(phis, dtype=np.float64))
     if not (np.isfinite(step) and step > 0.0):
         raise InputError("step", f"{step:g} m", "positive and finite")
+    if not np.isfinite(angles).all():
+        raise InputError("phis", f"{angles.tolist()}", "finite angles")
     low, high = fixed.min(axis=0), fixed.max(axis=0)
     count = angles.size * float(np.prod((high - low) / step + 1.0))
     if count > MOST_POSES:
@@ -191,10 +198,11 @@ def _worst(one: xr.Dataset) -> WorstCase:
     unsettled = None if np.isnan(stopped) else stopped
     above = bool(one["stays_above"].all()) if "stays_above" in one else None
     if count == 0:
-        return WorstCase(cable, 0, others, None, None, None, None, above, unsettled)
-    at = int(np.nanargmax(one["drop"].to_numpy()))
-    tension, lowest = float(one["greatest_tension"].max()), float(one["lowest"].min())
-    return WorstCase(cable, count, others, float(one["drop"][at]), at, tension, lowest, above, unsettled)
+        return WorstCase(cable, 0, others, None, None, None, None, None, None, above, unsettled)
+    drops, tensions, heights = (one[name].to_numpy() for name in ("drop", "greatest_tension", "lowest"))
+    deep, taut, low = int(np.nanargmax(drops)), int(np.nanargmax(tensions)), int(np.nanargmin(heights))
+    worst = (float(drops[deep]), deep, float(tensions[taut]), taut, float(heights[low]), low)
+    return WorstCase(cable, count, others, *worst, above, unsettled)
 
 
 def _where(settled: NDArray[np.bool_], values: Array) -> Array:

@@ -28,9 +28,12 @@ def rotation_matrix(value: ArrayLike, where: str) -> Array:
         InputError: Not of that shape, not finite, not orthonormal to `ORTHONORMAL`, or a mirror image.
     """
     try:
-        matrix = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        raise InputError(where, "not an array of numbers", "a rotation matrix (3, 3)") from None
+        given = np.asarray(value)
+    except ValueError:
+        raise InputError(where, "rows of unlike length", "a rotation matrix (3, 3)") from None
+    if given.dtype.kind not in "fiub":
+        raise InputError(where, f"entries of type {given.dtype}", "a rotation matrix (3, 3)")
+    matrix = np.array(given, dtype=np.float64, order="C")
     if matrix.shape[-2:] != (3, 3):
         raise InputError(where, f"shape {matrix.shape}", "a rotation matrix (3, 3)")
     if not np.isfinite(matrix).all():

@@ -195,7 +195,7 @@ def unit_axes(axes: ArrayLike | None, count: int) -> Array:
     if given.ndim != 2 or len(given) != count or given.shape[1] not in (2, 3):
         raise InputError("axes", f"shape {given.shape}", f"({count}, 2) in the plane or ({count}, 3) in space")
     given = in_space(given)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         return np.ascontiguousarray(given / np.linalg.norm(given, axis=-1, keepdims=True))
 
 

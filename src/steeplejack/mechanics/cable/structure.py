@@ -14,7 +14,7 @@ Degeneracy. What only rounding makes of a pose counts as nothing, so that no que
 answered by noise. A cable shorter than ``LENGTHLESS`` times the coordinates it is the difference of has no direction:
 its column is zero, and no pose with one counts as held. Where the moments of all cables are below
 ``degeneracy.TOLERANCE`` times the longest arm (all cables through the reference point), they are zero. A coordinate
-that is not a number makes columns that are not.
+that is not a number makes columns that are not, and so does a matrix among many that is no rotation (`arguments`).
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
+from steeplejack.mechanics.cable.arguments import angles, leading, rotation_matrices, rows, vectors
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 
 Array = NDArray[np.float64]
@@ -45,9 +44,10 @@ def planar_arms(attachments: ArrayLike, phi: ArrayLike) -> Array:
     Raises:
         InputError: No numbers, or other shapes.
     """
-    local, angle = _fixed("attachments", attachments, 2), numbers("phi", phi)[..., None]
+    local, angle = rows("attachments", attachments, 2), angles("phi", phi)[..., None]
     cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack((cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]), axis=-1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.stack((cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]), axis=-1)
 
 
 def planar_vectors(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) -> Array:
@@ -66,7 +66,7 @@ def planar_vectors(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) 
     """
     where = vectors("pose", pose, 3)
     arms = planar_arms(attachments, where[..., 2])
-    return _roots(anchors, arms, ("pose", where.shape, 1)) - arms - where[..., None, :2]
+    return _runs(_roots(anchors, arms, ("pose", where.shape, 1)), arms, where[..., None, :2])
 
 
 def planar_lengths(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) -> Array:
@@ -83,7 +83,7 @@ def planar_lengths(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) 
     Raises:
         InputError: No numbers, or shapes that do not match.
     """
-    return np.linalg.norm(planar_vectors(anchors, attachments, pose), axis=-1)
+    return _sizes(planar_vectors(anchors, attachments, pose))
 
 
 def planar_structure_matrix(anchors: ArrayLike, attachments: ArrayLike, pose: ArrayLike) -> Array:
@@ -106,7 +106,8 @@ def planar_structure_matrix(anchors: ArrayLike, attachments: ArrayLike, pose: Ar
     arms = planar_arms(attachments, where[..., 2])
     roots = _roots(anchors, arms, ("pose", where.shape, 1))
     directions = _directions(roots, arms, where[..., None, :2])
-    moments = arms[..., 0] * directions[..., 1] - arms[..., 1] * directions[..., 0]
+    with np.errstate(invalid="ignore", over="ignore"):
+        moments = arms[..., 0] * directions[..., 1] - arms[..., 1] * directions[..., 0]
     moments = _resisting(moments[..., None], arms)[..., 0]
     return np.stack((directions[..., 0], directions[..., 1], moments), axis=-2)
 
@@ -124,10 +125,10 @@ def spatial_vectors(anchors: ArrayLike, attachments: ArrayLike, position: ArrayL
         Vectors, world axes, (..., m, 3) [m].
 
     Raises:
-        InputError: No numbers, or shapes that do not match.
+        InputError: No numbers, shapes that do not match, or one matrix that is no rotation.
     """
     where, arms = vectors("position", position, 3), _spatial_arms(attachments, rotation)
-    return _roots(anchors, arms, ("position", where.shape, 1)) - arms - where[..., None, :]
+    return _runs(_roots(anchors, arms, ("position", where.shape, 1)), arms, where[..., None, :])
 
 
 def spatial_lengths(anchors: ArrayLike, attachments: ArrayLike, position: ArrayLike, rotation: ArrayLike) -> Array:
@@ -143,9 +144,9 @@ def spatial_lengths(anchors: ArrayLike, attachments: ArrayLike, position: ArrayL
         Lengths, (..., m) [m].
 
     Raises:
-        InputError: No numbers, or shapes that do not match.
+        InputError: No numbers, shapes that do not match, or one matrix that is no rotation.
     """
-    return np.linalg.norm(spatial_vectors(anchors, attachments, position, rotation), axis=-1)
+    return _sizes(spatial_vectors(anchors, attachments, position, rotation))
 
 
 def spatial_structure_matrix(
@@ -165,27 +166,23 @@ def spatial_structure_matrix(
         Rows ``mx, my, mz`` [m] and ``fx, fy, fz`` [1], (..., 6, m).
 
     Raises:
-        InputError: No numbers, or shapes that do not match.
+        InputError: No numbers, shapes that do not match, or one matrix that is no rotation.
     """
     where, arms = vectors("position", position, 3), _spatial_arms(attachments, rotation)
     roots = _roots(anchors, arms, ("position", where.shape, 1))
     directions = _directions(roots, arms, where[..., None, :])
     arms = np.broadcast_to(arms, directions.shape)
-    moments = _resisting(np.cross(arms, directions), arms)
+    with np.errstate(invalid="ignore", over="ignore"):
+        moments = np.cross(arms, directions)
+    moments = _resisting(moments, arms)
     return np.swapaxes(np.concatenate((moments, directions), axis=-1), -1, -2)
-
-
-def _fixed(where: str, points: ArrayLike, axes: int) -> Array:
-    """Points of the platform, (m, axes)."""
-    given = vectors(where, points, "m", axes)
-    if given.ndim != 2:
-        raise InputError(where, f"shape {given.shape}", f"(m, {axes})")
-    return given
 
 
 def _spatial_arms(attachments: ArrayLike, rotation: ArrayLike) -> Array:
     """``b_i = R lB_i``, (..., m, 3)."""
-    return _fixed("attachments", attachments, 3) @ np.swapaxes(vectors("rotation", rotation, 3, 3), -1, -2)
+    local, turn = rows("attachments", attachments, 3), rotation_matrices("rotation", rotation)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return local @ np.swapaxes(turn, -1, -2)
 
 
 def _roots(anchors: ArrayLike, arms: Array, pose: tuple[str, tuple[int, ...], int]) -> Array:
@@ -195,14 +192,26 @@ def _roots(anchors: ArrayLike, arms: Array, pose: tuple[str, tuple[int, ...], in
     return roots
 
 
+def _runs(roots: Array, arms: Array, where: Array) -> Array:
+    """Vectors from attachments to anchors, (..., m, d)."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return roots - arms - where
+
+
+def _sizes(runs: Array) -> Array:
+    """Lengths of vectors (..., m, d), (..., m)."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.linalg.norm(runs, axis=-1)
+
+
 def _directions(roots: Array, arms: Array, where: Array) -> Array:
     """Unit vectors from attachments to anchors; zero where a cable has no length, NaN where a point is none."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        runs = roots - arms - where
-        lengths = np.linalg.norm(runs, axis=-1, keepdims=True)
+    runs = _runs(roots, arms, where)
+    lengths = _sizes(runs)[..., None]
     least = np.maximum(np.abs(roots).max(axis=-1), np.abs(arms).max(axis=-1))[..., None]
     least = LENGTHLESS * np.maximum(least, np.abs(where).max(axis=-1, keepdims=True))
-    return np.divide(runs, lengths, out=np.zeros_like(runs), where=~(lengths <= least))
+    with np.errstate(invalid="ignore"):
+        return np.divide(runs, lengths, out=np.zeros_like(runs), where=~(lengths <= least))
 
 
 def _resisting(moments: Array, arms: Array) -> Array:

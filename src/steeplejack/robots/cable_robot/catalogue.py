@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 import msgspec
@@ -13,6 +12,7 @@ from steeplejack.files import read_source, shortened
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
 
+DATA = Path(__file__).parent / "data"
 BUILT_IN = ("ccrobot-s-planar", "planar-4-4", "kntu-planar", "ipanema-2", "cogiro")
 
 
@@ -61,10 +61,11 @@ def load_cable_robot(robot: str | Path) -> CableRobot:
 def read_parameters(robot: str | Path) -> Parameters:
     """Read a cable robot's values with their sources; arguments and errors as of `load_cable_robot`."""
     if str(robot) in BUILT_IN:
-        text = files("steeplejack.robots.cable_robot").joinpath("data", f"{robot}.toml").read_bytes()
+        text = (DATA / f"{robot}.toml").read_bytes()
     else:
         text = read_source(robot, f"a TOML robot file or one of {', '.join(BUILT_IN)}")
     try:
         return msgspec.toml.decode(text, type=Parameters)
     except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:
-        raise InputError(str(robot), shortened(str(error)), "see the built-in cogiro.toml for every field") from None
+        valid = f"fields as in planar-4-4.toml and, in space, cogiro.toml of {DATA}"
+        raise InputError(str(robot), shortened(str(error)), valid) from None

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.mechanics.cable.arguments import finite, leading, one, rotation_matrices, vectors
 from steeplejack.mechanics.cable.pulleys import pulley_runs
+from steeplejack.mechanics.cable.region.oriented import PoseQuestion, pose_question
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
 from steeplejack.mechanics.cable.rest.lost import locked_at
 from steeplejack.mechanics.cable.rest.modes import planar_mass_matrix, spatial_mass_matrix
@@ -94,6 +96,35 @@ class CableRobot:
         """Cables beyond the degrees of freedom; negative where there are fewer."""
         return len(self.anchors) - (3 if self.dimension == "planar" else 6)
 
+    @property
+    def straight(self) -> tuple[Array, Array]:
+        """Anchors and attachments, (m, d) each [m], for what takes cables as straight from anchors to attachments.
+
+        That are maps, certified regions, rays and interference. Over pulleys `structure` answers pose by pose.
+
+        Raises:
+            InputError: The robot has pulleys.
+        """
+        if self.pulley_radii is not None and self.pulley_radii.any():
+            found = f"pulleys of radius {self.pulley_radii.max():g} m"
+            raise InputError(f"robot {self.name}", found, "straight cables; with pulleys ask `structure` at each pose")
+        return self.anchors, self.attachments
+
+    def pose_question(self, gravity: ArrayLike, rotation: ArrayLike | None = None) -> PoseQuestion:
+        """Whether a spatial robot holds its weight within its limits, for `certify_poses` and `certify_orientations`.
+
+        Args:
+            gravity: Of the worksite, (3,) [m/s2].
+            rotation: Reference ``R_0`` that orientations are counted from, (3, 3); level if None.
+
+        Raises:
+            InputError: A planar robot, pulleys, an upper limit that is infinite, or no vector of gravity.
+        """
+        if self.dimension == "planar":
+            raise InputError(f"robot {self.name}", "planar", "a spatial robot; `planar_facets` takes all orientations")
+        weight = np.concatenate((np.zeros(3), self.mass * finite("gravity", gravity, 3).reshape(3)))
+        return pose_question(*self.straight, rotation, weight, self.lower, self.upper, self.centre_of_mass)
+
     def lengths(self, pose: ArrayLike, rotation: ArrayLike | None = None) -> Array:
         """Cable lengths from the anchors, arcs on pulleys included.
 
@@ -105,7 +136,7 @@ class CableRobot:
             (..., m) [m].
 
         Raises:
-            InputError: A rotation is missing or too many.
+            InputError: Not numbers of that shape, a rotation is missing or too many, or one matrix is no rotation.
         """
         if self.pulley_radii is None:
             return self._call(planar_lengths, spatial_lengths, self.anchors, pose, rotation)
@@ -130,11 +161,14 @@ class CableRobot:
 
         Returns:
             ``(fx, fy, mz)``, (..., 3), or (moment; force), (..., 6) [N, N m].
+
+        Raises:
+            InputError: As of `lengths`, or gravity of another dimension.
         """
         axes = len(self.centre_of_mass)
-        turn = self._turn(pose, rotation)[..., :axes, :axes]
-        wrench = gravity_wrench(self.mass, gravity, turn @ self.centre_of_mass)
-        shape = np.broadcast_shapes(wrench.shape[:-1], np.asarray(pose).shape[:-1])
+        place, turn = self._turned(pose, rotation)
+        wrench = gravity_wrench(self.mass, one("gravity", gravity, axes), turn[..., :axes, :axes] @ self.centre_of_mass)
+        shape = leading(("rotation", turn.shape, 2), ("pose", place.shape, 1))
         return np.array(np.broadcast_to(wrench, (*shape, wrench.shape[-1])))
 
     def stiffness(
@@ -152,12 +186,12 @@ class CableRobot:
             (..., 3, 3) in (x, y, phi) or (..., 6, 6) in (rotation; displacement).
 
         Raises:
-            InputError: The robot's axial stiffness is not known, or a rotation is missing or too many.
+            InputError: As of `lengths`, gravity of another dimension, or the robot's axial stiffness is not known.
         """
         if self.axial_stiffness is None:
             raise InputError(f"robot {self.name}", "no axial stiffness", "cables.axial_stiffness in its file")
         rates = cable_rates(self.axial_stiffness, self.lengths(pose, rotation), tensions)
-        weight = self.mass * np.asarray(gravity, dtype=np.float64)
+        weight = self.mass * one("gravity", gravity, len(self.centre_of_mass))
         rest = (tensions, rates, weight, self.centre_of_mass, self.pulley_axes, self.pulley_radii)
         if rotation is None:
             return planar_stiffness(self.anchors, self.attachments, pose, *rest)
@@ -169,10 +203,9 @@ class CableRobot:
         Returns:
             (..., 3, 3) in (x, y, phi) or (..., 6, 6) in (angular; linear).
         """
-        turn = self._turn(pose, rotation)
+        place, turn = self._turned(pose, rotation)
         if self.dimension == "planar":
-            phi = np.asarray(pose, dtype=np.float64)[..., 2]
-            return planar_mass_matrix(self.mass, self.inertia, self.centre_of_mass, phi)
+            return planar_mass_matrix(self.mass, self.inertia, self.centre_of_mass, place[..., 2])
         return spatial_mass_matrix(self.mass, self.inertia, self.centre_of_mass, turn)
 
     def locked(
@@ -195,45 +228,47 @@ class CableRobot:
             The platform with the lengths it has at that pose.
 
         Raises:
-            InputError: Tensions without a known axial stiffness, or a rotation is missing or too many.
+            InputError: As of `lengths`, no finite pose, a cable without a course there, gravity of another dimension,
+                or tensions without a known axial stiffness.
         """
         if tensions is not None and self.axial_stiffness is None:
             raise InputError(f"robot {self.name}", "no axial stiffness", "cables.axial_stiffness in its file")
-        free, planar = self.lengths(pose, rotation), self.dimension == "planar"
-        platform = (LockedPlatform.planar if planar else LockedPlatform.spatial)(
+        place = self._turned(pose, rotation)[0]
+        if place.ndim != 1:
+            raise InputError("pose", f"shape {place.shape}", "one pose")
+        axes = len(self.centre_of_mass)
+        platform = (LockedPlatform.planar if axes == 2 else LockedPlatform.spatial)(
             self.anchors,
             self.attachments,
-            free,
-            self.mass * np.asarray(gravity, dtype=np.float64),
+            1.0,  # `locked_at` puts the lengths of the pose in its place
+            self.mass * one("gravity", gravity, axes),
             axial_stiffness=np.inf if tensions is None or self.axial_stiffness is None else self.axial_stiffness,
             centre=self.centre_of_mass,
             radii=self.pulley_radii,
             axes=self.pulley_axes,
             gyration=math.sqrt(np.mean(np.linalg.eigvalsh(np.atleast_2d(self.inertia))) / self.mass),
         )
-        place = np.asarray(pose, dtype=np.float64)
         turn = place[2] if rotation is None else rotation
-        return locked_at(platform, place[: len(self.centre_of_mass)], turn, 0.0 if tensions is None else tensions)
+        return locked_at(platform, place[:axes], turn, 0.0 if tensions is None else tensions)
 
-    def _turn(self, pose: ArrayLike, rotation: ArrayLike | None) -> Array:
-        """Rotation from platform to world, (..., 3, 3)."""
+    def _turned(self, pose: ArrayLike, rotation: ArrayLike | None) -> tuple[Array, Array]:
+        """The pose (..., 3) and the rotation from platform to world, (..., 3, 3)."""
         if (rotation is None) != (self.dimension == "planar"):
             found = "no rotation" if rotation is None else "a rotation"
             raise InputError(
                 f"pose of {self.name}", found, "(x, y, phi) for planar robots, position and rotation for spatial ones"
             )
-        if rotation is None:
-            return turn_about_z(np.asarray(pose, dtype=np.float64)[..., 2])
-        return np.asarray(rotation, dtype=np.float64)
+        place = vectors("pose", pose, 3)
+        return place, turn_about_z(place[..., 2]) if rotation is None else rotation_matrices("rotation", rotation)
 
     def _call(
         self, planar: _Planar, spatial: _Spatial, exits: Array, pose: ArrayLike, rotation: ArrayLike | None
     ) -> Array:
         """The planar or the spatial one of two functions of the geometry."""
-        turn = self._turn(pose, rotation)
+        place, turn = self._turned(pose, rotation)
         if self.dimension == "planar":
-            return planar(exits, self.attachments, pose)
-        return spatial(exits, self.attachments, pose, turn)
+            return planar(exits, self.attachments, place)
+        return spatial(exits, self.attachments, place, turn)
 
     def _pulley_runs(self, pose: ArrayLike, rotation: ArrayLike | None) -> tuple[Array, Array]:
         """Lengths over the pulleys (..., m) [m], and points (..., m, d) [m] the free stretches lead to."""

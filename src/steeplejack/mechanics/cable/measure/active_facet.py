@@ -17,7 +17,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE, equalise
-from steeplejack.mechanics.cable.wrench.hyperplanes import hyperplanes
+from steeplejack.mechanics.cable.wrench.hyperplanes import hyperplanes, weighted_length
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -28,7 +28,7 @@ TIE = 1e-9
 """Difference over the widest window below which two facets count as one and the same value [1]."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def active_facet_each(
     structures: Array, held: Flags, room: int, measure: int, wrenches: Array, lower: Array, upper: Array,
     weights: Array,
@@ -84,7 +84,7 @@ def active_facet_each(
         smooth[k] = spanning == n - 1 and (outside or _alone(ratios, best, 2 * count, tie))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _least(
     columns: Array, normals: Array, count: int, scale: Array, measure: int, wrench: Array,
     lower: Array, upper: Array, weights: Array, ratios: Array,
@@ -118,11 +118,9 @@ def _reach(
             size += abs(along)
         elif measure == FACTOR:
             size += max(-along, 0.0)
-    square = 0.0
     for r in range(z.size):
         reach += sign * z[r] * wrench[r]
-        square += (z[r] * weights[r]) ** 2
-    return reach, math.sqrt(square) if measure == MARGIN else size
+    return reach, weighted_length(z, weights) if measure == MARGIN else size
 
 
 @njit(cache=True)

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import leading, vectors
+from steeplejack.mechanics.cable.arguments import kind, leading, one, rotation_matrices, rows, vectors
 from steeplejack.mechanics.cable.measure.slopes import Slope
 from steeplejack.mechanics.cable.pulleys import course_derivatives, in_space
 from steeplejack.mechanics.cable.rest.modes import cross_matrix
@@ -69,6 +69,7 @@ class Gradient:
     smooth: NDArray[np.bool_]
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def planar_structure_derivatives(
     anchors: ArrayLike,
     attachments: ArrayLike,
@@ -94,7 +95,7 @@ def planar_structure_derivatives(
     where = vectors("pose", pose, 3)
     full = spatial_structure_derivatives(
         in_space(vectors("anchors", anchors, "m", 2)),
-        in_space(vectors("attachments", attachments, "m", 2)),
+        in_space(rows("attachments", attachments, 2)),
         in_space(where[..., :2]),
         turn_about_z(where[..., 2]),
         axes,
@@ -107,6 +108,7 @@ def planar_structure_derivatives(
     )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def spatial_structure_derivatives(
     anchors: ArrayLike,
     attachments: ArrayLike,
@@ -129,12 +131,12 @@ def spatial_structure_derivatives(
         Derivatives with n = 6, d = 3.
 
     Raises:
-        InputError: Shapes that do not fit, or radii that are negative or not finite.
+        InputError: Shapes that do not fit, radii that are negative or not finite, or one matrix that is no rotation.
     """
-    local = vectors("attachments", attachments, "m", 3)
-    m = local.shape[-2]
+    local = rows("attachments", attachments, 3)
+    m = len(local)
     fixed, place = vectors("anchors", anchors, m, 3), vectors("position", position, 3)
-    turn = vectors("rotation", rotation, 3, 3)
+    turn = rotation_matrices("rotation", rotation)
     shape = leading(("anchors", fixed.shape, 2), ("position", place.shape, 1), ("rotation", turn.shape, 2))
     arms = np.broadcast_to(local @ np.swapaxes(turn, -1, -2), (*shape, m, 3))
     directions, bend = course_derivatives(fixed, axes, radii, place[..., None, :] + arms)
@@ -150,6 +152,7 @@ def spatial_structure_derivatives(
     )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def planar_weight_derivative(weight: ArrayLike, centre: ArrayLike, pose: ArrayLike) -> Array:
     """Derivative of the wrench of a planar platform's weight in ``(x, y, phi)``.
 
@@ -160,12 +163,16 @@ def planar_weight_derivative(weight: ArrayLike, centre: ArrayLike, pose: ArrayLi
 
     Returns:
         (..., 3, 3).
+
+    Raises:
+        InputError: No numbers, or shapes that do not fit.
     """
     turn = turn_about_z(vectors("pose", pose, 3)[..., 2])
-    force, point = in_space(vectors("weight", weight, 2)), in_space(vectors("centre", centre, 2))
+    force, point = in_space(one("weight", weight, 2)), in_space(one("centre", centre, 2))
     return spatial_weight_derivative(force, point, turn)[..., PLANAR_ROWS[:, None], PLANAR_ROWS]
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def spatial_weight_derivative(weight: ArrayLike, centre: ArrayLike, rotation: ArrayLike) -> Array:
     """Derivative of the wrench ``(R c x W; W)`` of a weight in (rotation; displacement).
 
@@ -176,14 +183,18 @@ def spatial_weight_derivative(weight: ArrayLike, centre: ArrayLike, rotation: Ar
 
     Returns:
         (..., 6, 6); only the moments in the rotations are not zero.
+
+    Raises:
+        InputError: No numbers, shapes that do not fit, or one matrix that is no rotation.
     """
-    turn = vectors("rotation", rotation, 3, 3)
+    turn = rotation_matrices("rotation", rotation)
     out = np.zeros((*turn.shape[:-2], 6, 6))
-    arm = turn @ vectors("centre", centre, 3)
-    out[..., :3, :3] = cross_matrix(vectors("weight", weight, 3)) @ cross_matrix(arm)
+    arm = turn @ one("centre", centre, 3)
+    out[..., :3, :3] = cross_matrix(one("weight", weight, 3)) @ cross_matrix(arm)
     return out
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def gradient(slope: Slope, derivatives: StructureDerivatives, wrench: ArrayLike | None = None) -> Gradient:
     """Gradient of a measure in pose, anchors and attachments, by the chain rule.
 
@@ -199,7 +210,8 @@ def gradient(slope: Slope, derivatives: StructureDerivatives, wrench: ArrayLike 
     Raises:
         InputError: Slope and derivatives of different structure matrices.
     """
-    n, m = slope.structure.shape[-2:]
+    kind("derivatives", derivatives, StructureDerivatives)
+    n, m = kind("slope", slope, Slope).structure.shape[-2:]
     if derivatives.pose.shape[-3:-1] != (n, m):
         found = f"of {derivatives.pose.shape[-3:-1]} structure matrices"
         raise InputError("derivatives", found, f"those of ({n}, {m}), as the slope")

@@ -44,7 +44,8 @@ def normalised_structure(structure: ArrayLike, length: float) -> Array:
         InputError: A length that is not positive, or other rows.
     """
     matrices, lead = structures_of(structure)
-    return (matrices * _scales(matrices.shape[1], length)[:, None]).reshape(*lead, *matrices.shape[1:])
+    with np.errstate(invalid="ignore", over="ignore"):
+        return (matrices * _scales(matrices.shape[1], length)[:, None]).reshape(*lead, *matrices.shape[1:])
 
 
 def dexterity(structure: ArrayLike, length: float) -> Array:
@@ -107,4 +108,5 @@ def _scales(rows: int, length: float) -> Array:
     scale = characteristic(length)
     if rows not in (3, 6):
         raise InputError("structure", f"{rows} rows", "3 rows (fx, fy, mz) or 6 rows (moment; force)")
-    return 1.0 / row_lengths(rows, scale)
+    with np.errstate(over="ignore"):
+        return 1.0 / row_lengths(rows, scale)

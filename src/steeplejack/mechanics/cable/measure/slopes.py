@@ -35,10 +35,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import characteristic, leading, numbers, spread, structures_of, vectors
+from steeplejack.mechanics.cable.arguments import characteristic, finite_limits, leading, spread, structures_of, vectors
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE, rank
 from steeplejack.mechanics.cable.measure.active_facet import DEPTH, FACTOR, MARGIN, TIE, active_facet_each
-from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
+from steeplejack.mechanics.cable.wrench.feasibility import lengths_of, row_lengths
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -102,6 +102,7 @@ def capacity_margin_slope(
     return _active(MARGIN, structure, wrench, lower, upper, length)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def margin_slope(structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Slope:
     """Greatest depth in the tension box over half its widest window, and its slope, for any number of cables.
 
@@ -130,6 +131,7 @@ def margin_slope(structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, uppe
     )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def _active(
     measure: int, structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, upper: ArrayLike, length: float
 ) -> Slope:
@@ -157,8 +159,7 @@ def _active(
         inside,
         smooth,
     )
-    with np.errstate(invalid="ignore"):
-        foot = value[:, None] * weights**2 * normal - loads if measure == MARGIN else -loads
+    foot = value[:, None] * weights * (weights * normal) - loads if measure == MARGIN else -loads
     pulls = _balanced(flat, inside, tensions, foot)
     return Slope(
         value.reshape(shape),
@@ -170,18 +171,15 @@ def _active(
 
 def _window(lower: ArrayLike, upper: ArrayLike, count: int) -> tuple[Array, Array]:
     """Bounds of every cable, (m,) each."""
-    low, high = numbers("lower", lower), numbers("upper", upper)
-    if not {low.shape, high.shape} <= {(), (1,), (count,)}:
-        raise InputError("tension bounds", f"shapes {low.shape} and {high.shape}", f"numbers or ({count},)")
-    low, high = (np.array(np.broadcast_to(value, (count,))) for value in (low, high))
-    if not (np.isfinite(low).all() and np.isfinite(high).all() and np.all(low <= high) and np.any(low < high)):
-        raise InputError("tension bounds", "not finite windows", "finite lower bounds below finite upper ones")
+    low, high = finite_limits(lower, upper, count)
+    if not np.any(low < high):
+        raise InputError("tension limits", "windows without width", "a least tension below its greatest")
     return low, high
 
 
 def _inverse(matrices: Array) -> Array:
     """Pseudo-inverses (k, m, n); rows are first brought to unit length, so that units do not matter."""
-    sizes = np.linalg.norm(matrices, axis=-1, keepdims=True)
+    sizes = lengths_of(matrices)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     return np.linalg.pinv(matrices / sizes, rcond=TOLERANCE) / np.swapaxes(sizes, -1, -2)
 

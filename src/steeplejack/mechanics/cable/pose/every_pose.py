@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers
+from steeplejack.mechanics.cable.arguments import number, numbers, whole
 from steeplejack.mechanics.cable.pose.given import LARGEST, Geometry, geometry
 from steeplejack.mechanics.cable.pose.global_search import search
 from steeplejack.mechanics.cable.pose.tracking import TrackingStatus, track_planar, track_spatial
@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-6  # [1] over the longest cable
 LEAST_TOLERANCE = 1e-12  # [1] the same; below it rounding decides
 NARROW = 1e-9  # [1] width over the longest cable below which a box is undecided
+MOST_BUDGET = 1_000_000_000  # boxes that may be asked for
 MOST = 64  # solutions and undecided boxes kept
 SEED_ANGLE = 0.7548776662466927  # [rad] keeps the cut of the circle off the angles people use
 
@@ -116,7 +117,7 @@ def every_planar_pose(
     """
     robot = geometry(anchors, attachments, radii, axes, 2)
     measured, enough = _measured(lengths, len(robot[0]), tolerance)
-    _check_budget(budget)
+    whole("budget", budget, 1, MOST_BUDGET)
     least, most = _reachable(measured, robot[0][:, :2], robot[3][:, :2], enough)
     if low is None and high is None and not np.all(least < most):
         return _none(least, most)
@@ -171,7 +172,7 @@ def every_spatial_pose(
     """
     robot = geometry(anchors, attachments, radii, axes, 3)
     measured, enough = _measured(lengths, len(robot[0]), tolerance)
-    _check_budget(budget)
+    whole("budget", budget, 1, MOST_BUDGET)
     place, turn = numbers("position", position), rotation_matrix(rotation, "rotation")
     if place.shape != (3,) or not np.isfinite(place).all():
         raise InputError("position", f"shape {place.shape}", "a finite point (3,) in metres")
@@ -277,18 +278,12 @@ def _measured(lengths: ArrayLike, m: int, tolerance: float | None) -> tuple[Arra
     if measured.shape != (m,) or not np.all((measured > 0.0) & (measured < LARGEST)):
         raise InputError("lengths", f"{np.ravel(measured).tolist()}", f"{m} positive finite lengths in metres")
     longest = float(measured.max())
-    enough = TOLERANCE * longest if tolerance is None else float(tolerance)
+    enough = TOLERANCE * longest if tolerance is None else number("tolerance", tolerance)
     if not LEAST_TOLERANCE * longest <= enough < longest:
         raise InputError(
             "tolerance", f"{enough:g} m", f"from {LEAST_TOLERANCE * longest:g} m to below the longest cable"
         )
     return measured, enough
-
-
-def _check_budget(budget: int) -> None:
-    """Refuse to examine nothing."""
-    if budget < 1:
-        raise InputError("budget", f"{budget}", "boxes to examine at most, 1 or more")
 
 
 def _bound(value: ArrayLike, n: int) -> Array:

@@ -7,8 +7,8 @@ lengths as freedoms have up to 6 poses in the plane and 40 in space. The answer 
 `ForwardKinematics.unique` says whether a spread of other starts found another explanation. `tracking` is the same from
 one start, in batches; `every_pose` proves how many there are.
 
-A pose is three numbers in the plane, ``(x, y, phi)``, and six in space, ``(x, y, z, a, b, c)`` with the rotation vector
-``(a, b, c)`` of the platform in world axes (`steeplejack.spatial.to_vector`).
+A pose is three numbers in the plane, ``(x, y, phi)``, and six in space, ``(x, y, z, wx, wy, wz)`` with the rotation
+vector ``w`` of the platform in world axes (`steeplejack.spatial.to_vector`).
 
 Range of validity: taut cables, straight or over swivelling pulleys. Cables stretch, so give the lengths under load
 (`loaded_lengths`).
@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers, vectors
+from steeplejack.mechanics.cable.arguments import leading, numbers, spread, stiffness_of, structures_of, vectors
+from steeplejack.mechanics.cable.degeneracy import rank
 from steeplejack.mechanics.cable.pose.given import Geometry, geometry, tolerance_of
 from steeplejack.mechanics.cable.pose.tracking import PLANAR, SPATIAL, TrackingStatus, minima, nearest_turn
 from steeplejack.spatial.rotation import from_vector, to_vector
@@ -72,13 +73,19 @@ def loaded_lengths(unstretched: ArrayLike, tensions: ArrayLike, axial_stiffness:
     Args:
         unstretched: ``L``, as paid out, (..., m) [m].
         tensions: ``t``, measured, (..., m) [N]; a slack cable does not stretch, so negative readings count as zero.
-        axial_stiffness: ``EA`` [N].
+        axial_stiffness: ``EA``, (..., m) or a scalar [N]; may be inf.
 
     Returns:
         Lengths under load, (..., m) [m].
+
+    Raises:
+        InputError: No numbers, shapes that do not match, or an axial stiffness of zero or less.
     """
-    strain = np.maximum(np.asarray(tensions, dtype=np.float64), 0.0) / np.asarray(axial_stiffness)
-    return np.asarray(unstretched, dtype=np.float64) * (1.0 + strain)
+    paid, pull = numbers("unstretched", unstretched), numbers("tensions", tensions)
+    elastic = stiffness_of(axial_stiffness)
+    leading(("unstretched", paid.shape, 0), ("tensions", pull.shape, 0), ("axial_stiffness", elastic.shape, 0))
+    with np.errstate(invalid="ignore", over="ignore"):
+        return paid * (1.0 + np.maximum(pull, 0.0) / elastic)
 
 
 def forward_kinematics(
@@ -118,11 +125,11 @@ def forward_kinematics(
         raise InputError("lengths", f"shape {measured.shape}", f"({len(robot[0])},), one for each cable")
     if begin.shape not in (((3,),) if d == 2 else ((3,), (6,))) or not np.isfinite(begin).all():
         raise InputError("start", f"{np.ravel(begin).tolist()}", "finite (x, y, phi), or in space (3,) or (6,)")
-    tolerance_of(tolerance)
+    wanted = tolerance_of(tolerance)
     places, turns = _starts(robot[0], begin, d)
     many = np.broadcast_to(measured, (len(places), len(measured)))
     ends = minima(many, robot, PLANAR if d == 2 else SPATIAL, places, turns)
-    enough = EXPLAINED * float(np.abs(measured).max()) if tolerance is None else tolerance
+    enough = EXPLAINED * float(np.abs(measured).max()) if wanted is None else wanted
     residuals = np.where(np.isfinite(ends.residual), ends.residual, np.inf)
     explained = residuals <= enough
     chosen = 0 if explained[0] else int(np.argmin(residuals))
@@ -153,11 +160,23 @@ def pose_rates(structure: ArrayLike, length_rates: ArrayLike) -> Array:
         length_rates: Positive when a cable grows longer, (..., m) [m/s].
 
     Returns:
-        The velocity dual to the rows, ``(vx, vy, omega)`` or (angular; linear), (..., n) [m/s, rad/s]; the least one
-        where the structure is singular.
+        The velocity dual to the rows, ``(vx, vy, omega)`` or (angular; linear), (..., n) [m/s, rad/s]; not a number
+        where the structure is singular or undefined (`degeneracy`), or a rate is not finite.
+
+    Raises:
+        InputError: No numbers, or shapes that do not match.
     """
-    jacobian = np.swapaxes(np.asarray(structure, dtype=np.float64), -1, -2)
-    return -np.einsum("...im,...m->...i", np.linalg.pinv(jacobian), np.asarray(length_rates, dtype=np.float64))
+    matrices, own = structures_of(structure)
+    n, m = matrices.shape[1:]
+    rates = vectors("length_rates", length_rates, m)
+    shape = leading(("structure", (*own, n, m), 2), ("length_rates", rates.shape, 1))
+    flat, speeds = spread(matrices.reshape(*own, n, m), shape, (n, m)), spread(rates, shape, (m,))
+    known = (rank(flat) == n) & np.isfinite(speeds).all(axis=-1)
+    scale = np.abs(flat[known]).max(axis=-1)  # rows differ in units: what they are in must not decide the least squares
+    jacobian = np.swapaxes(flat[known] / scale[..., None], -1, -2)
+    out = np.full((len(flat), n), np.nan)
+    out[known] = -np.einsum("kim,km->ki", np.linalg.pinv(jacobian, rcond=0.0), speeds[known]) / scale
+    return out.reshape(*shape, n)
 
 
 def _robot(

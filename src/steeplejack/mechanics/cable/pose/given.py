@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers
+from steeplejack.mechanics.cable.arguments import numbers, positive
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
 
 Array = NDArray[np.float64]
@@ -49,10 +49,9 @@ def geometry(
     return in_space(fixed), swivels, wheels, in_space(local)
 
 
-def tolerance_of(tolerance: float | None) -> None:
-    """Refuse a tolerance that is not a number above zero [m]."""
-    if tolerance is not None and not 0.0 < tolerance < np.inf:
-        raise InputError("tolerance", f"{tolerance:g} m", "a finite length above 0")
+def tolerance_of(tolerance: float | None) -> float | None:
+    """A tolerance, which is a number above zero where there is one [m]."""
+    return None if tolerance is None else positive("tolerance", tolerance)
 
 
 def _pulleys(radii: ArrayLike | None, axes: ArrayLike | None, m: int, d: int) -> tuple[Array, Array]:
@@ -62,8 +61,9 @@ def _pulleys(radii: ArrayLike | None, axes: ArrayLike | None, m: int, d: int) ->
         raise InputError("radii", f"{wheels.tolist()}", "radii whose squares are finite")
     if not wheels.any():
         return wheels, unit_axes(None, m)
-    if axes is None or np.shape(axes)[-1:] != (d,):
-        raise InputError("axes", f"{axes}".replace("\n", " "), f"swivel axes of the pulleys, ({m}, {d})")
+    if axes is None or numbers("axes", axes).shape != (m, d):
+        found = "none" if axes is None else f"shape {np.shape(axes)}"
+        raise InputError("axes", found, f"swivel axes of the pulleys, ({m}, {d})")
     swivels = unit_axes(axes, m)
     if not np.isfinite(swivels[wheels > 0.0]).all():
         raise InputError("axes", "one of length zero or not finite", "swivel axes of any length but zero")

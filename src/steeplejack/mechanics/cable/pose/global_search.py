@@ -39,25 +39,10 @@ DEEP = 4096  # boxes waiting at most
 
 @njit(cache=True)
 def search(
-    low: Array,
-    high: Array,
-    free: Ints,
-    anchors: Array,
-    axes: Array,
-    radii: Array,
-    local: Array,
-    lengths: Array,
-    weights: Array,
-    tolerance: float,
-    narrow: float,
-    budget: int,
-    seeds: Array,
-    solutions: Array,
-    boxes: Array,
-    residuals: Array,
-    spreads: Array,
-    undecided: Array,
-) -> tuple[int, int, int]:
+    low: Array, high: Array, free: Ints, anchors: Array, axes: Array, radii: Array, local: Array, lengths: Array,
+    weights: Array, tolerance: float, narrow: float, budget: int, seeds: Array, solutions: Array, boxes: Array,
+    residuals: Array, spreads: Array, undecided: Array,
+) -> tuple[int, int, int]:  # fmt: skip
     """Every pose of a box that explains the lengths.
 
     Args:

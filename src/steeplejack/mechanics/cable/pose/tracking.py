@@ -25,11 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import vectors
+from steeplejack.mechanics.cable.arguments import rotation_matrices, vectors
 from steeplejack.mechanics.cable.pose import misfit
 from steeplejack.mechanics.cable.pose.given import Geometry, geometry, tolerance_of
 from steeplejack.mechanics.cable.pulleys import in_space
-from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
 
@@ -173,9 +172,9 @@ def track_spatial(
         Poses with residual, iterations and status.
 
     Raises:
-        InputError: Shapes do not fit, a start is no rotation, or there are fewer than six cables.
+        InputError: Shapes do not fit, one start for all is no rotation, or there are fewer than six cables.
     """
-    robot, turn = geometry(anchors, attachments, radii, axes, 3), rotation_matrix(rotation, "rotation")
+    robot, turn = geometry(anchors, attachments, radii, axes, 3), rotation_matrices("rotation", rotation)
     measured = vectors("lengths", lengths, len(robot[0]))
     return minima(measured, robot, SPATIAL, vectors("position", position, 3), turn, follow, tolerance)
 
@@ -212,7 +211,7 @@ def minima(
     Raises:
         InputError: As many starts as fit neither one nor each of the lengths, or a tolerance that is none.
     """
-    tolerance_of(tolerance)
+    wanted = tolerance_of(tolerance)
     shape, m = lengths.shape[:-1], len(robot[0])
     stream = shape[-1] if follow and shape else 1
     flat = np.ascontiguousarray(lengths.reshape(-1, m))
@@ -239,7 +238,7 @@ def minima(
             status[part],
         )
     with np.errstate(invalid="ignore"):
-        enough = 1e-3 * np.abs(flat).max(axis=-1, initial=0.0) if tolerance is None else tolerance
+        enough = 1e-3 * np.abs(flat).max(axis=-1, initial=0.0) if wanted is None else wanted
         status[(status == TrackingStatus.CONVERGED) & (residuals > enough)] = TrackingStatus.UNEXPLAINED
     return SpatialTrack(
         positions.reshape(*shape, 3),

@@ -25,7 +25,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import finite, positive
+from steeplejack.mechanics.cable.arguments import finite, kind, positive
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.certified import Label, arguments
 from steeplejack.mechanics.cable.region.determinants import CUBIC
@@ -74,6 +74,7 @@ class Rays:
         return start + np.array(where).reshape(-1, 1) * (end - start)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def closure_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike) -> Rays:
     """Cut segments where wrench closure begins and ends, by the roots of the determinants.
 
@@ -88,7 +89,7 @@ def closure_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike) -> Rays:
     Raises:
         InputError: A question with tension limits, segments that move and turn at once, or are not finite.
     """
-    if facets.limited:
+    if kind("facets", facets, Facets).limited:
         raise InputError("facets", "tension limits", "wrench closure; use certified_rays")
     first, last = segments(starts, ends)
     low, high = (first - facets.origin) / facets.units, (last - facets.origin) / facets.units
@@ -113,6 +114,7 @@ def closure_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike) -> Rays:
     return Rays(first, last, places[:, : used + 1], labels[:, :used])
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def certified_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike, tolerance: float = 1e-12) -> Rays:
     """Cut segments of poses into pieces proved inside, proved outside, and short undecided ones between.
 
@@ -130,6 +132,7 @@ def certified_rays(facets: Facets, starts: ArrayLike, ends: ArrayLike, tolerance
     """
     first, last = segments(starts, ends)
     positive("tolerance", tolerance)
+    kind("facets", facets, Facets)
     start, end = (first - facets.origin) / facets.units, (last - facets.origin) / facets.units
     both = np.concatenate((start, end))
     question = arguments(facets, both.min(axis=0), both.max(axis=0))

@@ -12,6 +12,7 @@ one orientation; what is asked is put into `Facets`. A side of the search box wi
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import cables, owned, positive
+from steeplejack.mechanics.cable.arguments import cables, kind, numbers, owned, positive, whole
 from steeplejack.mechanics.cable.region import enclosure
 from steeplejack.mechanics.cable.region.determinants import CUBIC
 from steeplejack.mechanics.cable.region.facets import Facets
@@ -87,6 +88,7 @@ class CertifiedRegion:
         return self.boxes[self.labels == label]
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def certify(facets: Facets, box: ArrayLike, gap: float = 1e-3, most: int = 4_000_000) -> CertifiedRegion:
     """Enclose the region of a search box that has the property asked for.
 
@@ -102,6 +104,7 @@ def certify(facets: Facets, box: ArrayLike, gap: float = 1e-3, most: int = 4_000
     Raises:
         InputError: A search box without volume or not finite, or a gap that is not positive.
     """
+    kind("facets", facets, Facets)
     ends = search_box(box)
     low, high = ((end - facets.origin) / facets.units for end in ends)
     question = arguments(facets, low, high)
@@ -145,8 +148,7 @@ def branch(
         InputError: A gap that is not positive, or no box to look at.
     """
     positive("gap", gap)
-    if not most >= 1:
-        raise InputError("most", f"{most}", "one box at least")
+    whole("most", most, 1, sys.maxsize)
     wide = high > low
     lows, highs = low[None], high[None]
     done: list[tuple[Array, Array, Integers, Integers]] = []
@@ -169,6 +171,7 @@ def branch(
     return CertifiedRegion(boxes, labels, proofs, inner * unit, (inner + doubt) * unit, evaluations, reached)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def closure_box(anchors: ArrayLike, attachments: ArrayLike) -> Array:
     """A box that holds every position in wrench closure, at any orientation.
 
@@ -185,8 +188,8 @@ def closure_box(anchors: ArrayLike, attachments: ArrayLike) -> Array:
     Raises:
         InputError: Shapes or numbers that cannot be meant.
     """
-    size = np.shape(anchors)[-1] if np.ndim(anchors) == 2 else 3
-    fixed, local = cables(anchors, attachments, 2 if size == 2 else 3)
+    size = 2 if numbers("anchors", anchors).shape[-1:] == (2,) else 3
+    fixed, local = cables(anchors, attachments, size)
     arm = float(np.linalg.norm(local, axis=-1).max())
     return np.stack((fixed.min(axis=0) - arm, fixed.max(axis=0) + arm), axis=-1)
 

@@ -36,11 +36,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import finite, points
+from steeplejack.mechanics.cable.arguments import finite, open_limits, points
 from steeplejack.mechanics.cable.region import determinants
 from steeplejack.spatial.rotation import rotation_matrix
 
 Array = NDArray[np.float64]
+
+MOST_DETERMINANTS = 6_000
+"""In whole numbers, a few milliseconds each in space [1]."""
 Integers = NDArray[np.int64]
 
 
@@ -112,7 +115,8 @@ def planar_facets(
         The question as polynomials.
 
     Raises:
-        InputError: Shapes or numbers that cannot be meant, or a robot that is singular at every pose.
+        InputError: Shapes or numbers that cannot be meant, a robot that is singular at every pose, or cables that make
+            more than `MOST_DETERMINANTS`: from 35 on, with limits from 34.
     """
     fixed, local = points("anchors", anchors, 2), points("attachments", attachments, 2)
     limits = _limits(lower, upper, len(fixed))
@@ -154,7 +158,8 @@ def spatial_facets(
         The question as polynomials.
 
     Raises:
-        InputError: Shapes or numbers that cannot be meant, or a robot that is singular at every position.
+        InputError: Shapes or numbers that cannot be meant, a robot that is singular at every position, or cables that
+            make more than `MOST_DETERMINANTS`: from 16 on, with limits from 15.
     """
     fixed, local = points("anchors", anchors, 3), points("attachments", attachments, 3)
     turned = rotation_matrix(rotation, "rotation")
@@ -187,6 +192,12 @@ class _Sets:
         if len(attachments) != count or count < least:
             raise InputError(
                 "cables", f"{count} anchors and {len(attachments)} attachments", f"as many of each, {least} at least"
+            )
+        determinants = math.comb(count, rows) + limited * math.comb(count, rows - 1)
+        if determinants > MOST_DETERMINANTS:
+            other = "`planar_feasibility_map`" if rows == 3 else "`certify_poses`"
+            raise InputError(
+                "cables", f"{count}, which make {determinants} determinants", f"{MOST_DETERMINANTS} at most; {other}"
             )
         subsets = list(itertools.combinations(range(count), rows - 1))
         others = [[i for i in range(count) if i not in subset] for subset in subsets]
@@ -272,13 +283,7 @@ def _limits(lower: ArrayLike | None, upper: ArrayLike | None, cables: int) -> tu
         return None
     if lower is None or upper is None:
         raise InputError("tension limits", "one of the two", "least and greatest, or neither")
-    try:
-        low, high = (np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), (cables,))) for v in (lower, upper))
-    except (TypeError, ValueError):
-        raise InputError("tension limits", "other than one a cable", f"a scalar or ({cables},)") from None
-    if not (np.isfinite(low).all() and np.isfinite(high).all() and np.all(low < high)):
-        raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite, least below greatest")
-    return low, high
+    return open_limits(lower, upper, cables)
 
 
 def _wrenches(

@@ -20,12 +20,28 @@ from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import cables, each_cable, finite, limits, positive
+from steeplejack.mechanics.cable.arguments import (
+    cables,
+    each_cable,
+    finite,
+    finite_limits,
+    kind,
+    number,
+    points,
+    positive,
+    whole,
+)
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 from steeplejack.mechanics.cable.structure import planar_arms
 from steeplejack.mechanics.cable.tension.plane import planar_margins
 
 Array = NDArray[np.float64]
+
+UNIT = 1e-9
+"""How far the square of a direction may be from 1 [1]."""
+
+MOST_NODES = 100_000_000
+"""Nodes along one axis that still fit in memory."""
 
 LEAST_VOLUME = 1e-12  # [1] cofactor that counts as zero, over the longest arm times its cables' lengths
 
@@ -42,13 +58,17 @@ def grid_nodes(low: float, high: float, step: float) -> Array:
         Nodes, ascending, (k,) [m]; empty where none lies inside.
 
     Raises:
-        InputError: Ends that are not finite, or a step that is not above 0.
+        InputError: Ends that are not finite, a step that is not above 0, or one so small that nodes do not fit in
+            memory or are no longer apart.
     """
-    ends = finite("ends", [low, high])
-    positive("step", step)
+    ends, size = (number("low", low), number("high", high)), positive("step", step)
+    if not np.isfinite(ends).all():
+        raise InputError("ends", f"{ends[0]:g} to {ends[1]:g} m", "finite ones")
     rounding = 1e-9
-    first, last = math.ceil(ends[0] / step - rounding), math.floor(ends[1] / step + rounding)
-    return step * np.arange(first, last + 1, dtype=np.float64)
+    first, last = ends[0] / size - rounding, ends[1] / size + rounding
+    if max(abs(first), abs(last)) >= 2.0**53 or last - first >= MOST_NODES:
+        raise InputError("step", f"{size:g} m from {ends[0]:g} to {ends[1]:g} m", f"at most {MOST_NODES:g} nodes")
+    return size * np.arange(math.ceil(first), math.floor(last) + 1, dtype=np.float64)
 
 
 def tension_factor_grid(
@@ -62,7 +82,7 @@ def tension_factor_grid(
         phi: Orientation [rad].
         xs: (nx,) [m].
         ys: (ny,) [m].
-        out: Contiguous array to write to, (ny, nx) [1]; a new one if None.
+        out: Contiguous, writable array to write to, (ny, nx) [1]; a new one if None.
 
     Returns:
         TF, (ny, nx) [1].
@@ -73,10 +93,9 @@ def tension_factor_grid(
     roots, arms, x, y = _question(anchors, attachments, phi, xs, ys)
     middle = 0.5 * (x[0] + x[-1]) if x.size else 0.0
     roots[:, 0] -= middle
-    if out is not None and (out.shape != (y.size, x.size) or out.dtype != np.float64 or not out.flags.c_contiguous):
-        raise InputError("out", f"{out.dtype} of shape {out.shape}", f"contiguous float64 of {(y.size, x.size)}")
-    factors = np.empty((y.size, x.size)) if out is None else out
-    thin = LEAST_VOLUME**2 * float((arms**2).sum(axis=1).max())
+    factors = np.empty((y.size, x.size)) if out is None else _writable(out, (y.size, x.size))
+    with np.errstate(over="ignore"):
+        thin = LEAST_VOLUME**2 * float((arms**2).sum(axis=1).max())
     planar_tension_factors(roots, arms, x - middle, y, thin, factors)
     return factors
 
@@ -95,9 +114,10 @@ def margin_grid(
 ) -> Array:
     """Margin of the tension distribution at every node of a grid; a node is feasible from 0 up.
 
-    The margin is that of `distribution`: depth inside the tension box over half the widest window, -inf where singular.
-    A pull limit lowers a cable's upper bound to ``pull_limit / |u_i . s_i|``, so that the component of its tension
-    along the stay its anchor sits on stays within the limit.
+    The margin is that of `distribute`: depth inside the tension box over half the widest window (over the largest force
+    that must act, where no window has a width), -inf where singular. A pull limit lowers a cable's upper bound to
+    ``pull_limit / |u_i . s_i|``, so that the component of its tension along the stay its anchor sits on stays within
+    the limit; the windows that margins are shares of are those before.
 
     Args:
         anchors: (4, 2) [m].
@@ -115,21 +135,17 @@ def margin_grid(
         Margin, (ny, nx) [1].
 
     Raises:
-        InputError: Not four cables, numbers that are not finite, a least tension above its greatest, or a pull limit
-            without stays.
+        InputError: Not four cables, numbers that are not finite, a least tension above its greatest, a pull limit
+            without stays, or stays that are not unit directions.
     """
     roots, arms, x, y = _question(anchors, attachments, phi, xs, ys)
-    low, high = limits(lower, upper, 4)
-    if not np.isfinite(high - low).all():
-        raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite ones; margins are shares")
-    pull = np.array(np.broadcast_to(each_cable("pull limit", pull_limit, 4), (4,)))
-    if stays is None and np.isfinite(pull).any():
-        raise InputError("stays", "none", "unit directions (4, 2): a pull limit is along them")
-    along = np.zeros((4, 2)) if stays is None else finite("stays", stays, 2)
-    if along.shape != (4, 2) or not (pull >= 0.0).all():
-        raise InputError("pull limit", f"{pull.tolist()} N along stays {along.shape}", "not negative, along (4, 2)")
-    margins, half = np.empty((y.size, x.size)), 0.5 * float((high - low).max())
-    planar_margins(roots, arms, x, y, finite("wrench", wrench, 3).reshape(3), low, high, along, pull, half, margins)
+    low, high = finite_limits(lower, upper, 4)
+    load = finite("wrench", wrench, 3)
+    if load.ndim != 1:
+        raise InputError("wrench", f"shape {load.shape}", "one wrench (3,)")
+    along, pull = _stays(stays, pull_limit)
+    margins = np.empty((y.size, x.size))
+    planar_margins(roots, arms, x, y, load, low, high, along, pull, margins)
     return margins
 
 
@@ -140,25 +156,54 @@ def best_node(anchors: ArrayLike, attachments: ArrayLike, phis: ArrayLike, nodes
         anchors: (4, 2) [m].
         attachments: In the platform frame, (4, 2) [m].
         phis: Orientations to try, (k,) [rad].
-        nodes: Nodes along each side of the box.
+        nodes: Nodes along each side of the box, 1 to 10 000.
 
     Returns:
         ``(x, y, phi)`` (3,) [m, m, rad] and its TF [1]; 0 where no node is in wrench closure.
 
     Raises:
-        InputError: Not four cables, or numbers that are not finite.
+        InputError: Not four cables, numbers that are not finite, no orientation, or no such number of nodes.
     """
-    fixed = cables(anchors, attachments, 2)[0]
+    fixed, turns = cables(anchors, attachments, 2)[0], finite("phis", phis).ravel()
+    whole("nodes", nodes, 1, 10_000)
+    if not turns.size:
+        raise InputError("phis", "none", "one orientation at least")
     share = (np.arange(nodes) + 0.5) / nodes
     low, size = fixed.min(axis=0), np.ptp(fixed, axis=0)
     xs, ys = low[0] + share * size[0], low[1] + share * size[1]
-    best, most = np.array([xs[nodes // 2], ys[nodes // 2], np.ravel(phis)[0]]), 0.0
-    for phi in np.ravel(np.asarray(phis, dtype=np.float64)):
+    best, most = np.array([xs[nodes // 2], ys[nodes // 2], turns[0]]), 0.0
+    for phi in turns:
         factors = tension_factor_grid(fixed, attachments, float(phi), xs, ys)
         row, column = np.unravel_index(int(np.argmax(factors)), factors.shape)
         if factors[row, column] > most:
             best, most = np.array([xs[column], ys[row], phi]), float(factors[row, column])
     return best, most
+
+
+def _stays(stays: ArrayLike | None, pull_limit: ArrayLike) -> tuple[Array, Array]:
+    """Directions (4, 2) that pulls are limited along, zero where there are none, and the limits (4,) [N]."""
+    given = each_cable("pull limit", pull_limit, 4)
+    if given.ndim > 1 or not (given >= 0.0).all():
+        raise InputError("pull limit", f"{given.tolist()} N", "a scalar or (4,), not negative")
+    pull = np.array(np.broadcast_to(given, (4,)))
+    if stays is None:
+        if np.isfinite(pull).any():
+            raise InputError("stays", "none", "unit directions (4, 2): a pull limit is along them")
+        return np.zeros((4, 2)), pull
+    along = points("stays", stays, 2)
+    with np.errstate(over="ignore"):
+        off = np.abs((along**2).sum(axis=1) - 1.0)
+    if along.shape != (4, 2) or not (off <= UNIT).all():
+        raise InputError("stays", f"{along.tolist()}", "unit directions (4, 2)")
+    return along, pull
+
+
+def _writable(out: Array, shape: tuple[int, int]) -> Array:
+    """An array that a kernel can write to."""
+    given = kind("out", out, np.ndarray)
+    if given.shape != shape or given.dtype != np.float64 or not (given.flags.c_contiguous and given.flags.writeable):
+        raise InputError("out", f"{given.dtype} of shape {given.shape}", f"writable, contiguous float64 of {shape}")
+    return given
 
 
 def _question(

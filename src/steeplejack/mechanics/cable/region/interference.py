@@ -27,7 +27,16 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import cables, finite, points, positive
+from steeplejack.mechanics.cable.arguments import (
+    cables,
+    finite,
+    kind,
+    leading,
+    owned,
+    points,
+    positive,
+    rotation_matrices,
+)
 from steeplejack.mechanics.cable.region.boundary import Rays, segments, subdivide
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
 from steeplejack.mechanics.cable.region.clearance import nearest_stay, segment_distance
@@ -128,18 +137,23 @@ def interference_gaps(surroundings: Surroundings, positions: ArrayLike) -> tuple
 
     Returns:
         Least distance of two cables, or of a cable and the surface of a stay, (...) [m], infinite where there is
-        nothing to meet; and which: pair ``q``, or ``len(pairs) + cable * k + stay``, -1 for none, (...).
+        nothing to meet and not a number where a position is not finite; and which: pair ``q``, or
+        ``len(pairs) + cable * k + stay``, -1 for none, (...).
 
     Raises:
-        InputError: Positions that are not finite.
+        InputError: Positions of another shape, or no numbers.
     """
-    where = finite("positions", positions, 3)
-    flat = np.ascontiguousarray(where.reshape(-1, 3))
+    kind("surroundings", surroundings, Surroundings)
+    where = owned("positions", positions, 3)
+    flat = where.reshape(-1, 3)
     gaps, causes = np.empty(len(flat)), np.empty(len(flat), dtype=np.int64)
     _gaps(*surroundings.arguments, flat, gaps, causes)
+    unknown = ~np.isfinite(flat).all(axis=1)
+    gaps[unknown], causes[unknown] = np.nan, -1
     return gaps.reshape(where.shape[:-1]), causes.reshape(where.shape[:-1])
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def interference_region(
     surroundings: Surroundings, box: ArrayLike, clearance: float, gap: float = 0.05, most: int = 4_000_000
 ) -> CertifiedRegion:
@@ -158,6 +172,7 @@ def interference_region(
     Raises:
         InputError: A box without volume, or a clearance that is not positive.
     """
+    kind("surroundings", surroundings, Surroundings)
     low, high = search_box(box)
     positive("clearance", clearance)
 
@@ -171,6 +186,7 @@ def interference_region(
     return branch(decide, low, high, np.ones(3), np.zeros(3), gap, most)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def interference_rays(
     surroundings: Surroundings, starts: ArrayLike, ends: ArrayLike, clearance: float, tolerance: float = 1e-6
 ) -> Rays:
@@ -189,6 +205,7 @@ def interference_rays(
     Raises:
         InputError: Segments that are not finite, or a clearance or tolerance that is not positive.
     """
+    kind("surroundings", surroundings, Surroundings)
     first, last = segments(starts, ends)
     positive("clearance", clearance)
     positive("tolerance", tolerance)
@@ -204,6 +221,7 @@ def interference_rays(
     return subdivide(decide, first, last, tolerance)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def crossing_planes(surroundings: Surroundings) -> tuple[Array, Array]:
     """Planes of positions in which the two cables of each pair lie in one plane.
 
@@ -214,12 +232,14 @@ def crossing_planes(surroundings: Surroundings) -> tuple[Array, Array]:
         Normals (q, 3) [m2] and offsets (q,) [m3]: ``normal . p = offset``. A zero normal with a zero offset is a pair
         that lies in one plane everywhere.
     """
+    kind("surroundings", surroundings, Surroundings)
     (i, j), anchors, arms = surroundings.pairs.T, surroundings.anchors, surroundings.arms
     between, roots = anchors[j] - anchors[i], anchors - arms
     normals = np.cross(between, arms[j] - arms[i])
     return normals, np.einsum("qk,qk->q", between, np.cross(roots[i], roots[j]))
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def cable_crossings(surroundings: Surroundings, starts: ArrayLike, ends: ArrayLike) -> Array:
     """Where along segments of positions two cables meet: the critical surface of each pair, hit exactly.
 
@@ -253,6 +273,7 @@ def cable_crossings(surroundings: Surroundings, starts: ArrayLike, ends: ArrayLi
     return np.where(meet, share, np.nan)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def platform_overlap(
     anchors: ArrayLike,
     attachments: ArrayLike,
@@ -274,10 +295,12 @@ def platform_overlap(
         offsets: Of the faces from the platform's reference point, (h,) [m].
 
     Returns:
-        Lengths, (..., m) [m]; 0 where a cable leaves the platform at once, or does not reach it.
+        Lengths, (..., m) [m]; 0 where a cable leaves the platform at once, or does not reach it; not a number where a
+        pose is none.
 
     Raises:
-        InputError: Shapes or numbers that cannot be meant, normals not of unit length, or no rotations.
+        InputError: Shapes or numbers that cannot be meant, normals not of unit length, or one matrix that is no
+            rotation.
     """
     fixed, local = cables(anchors, attachments, 3)
     faces, reach = points("normals", normals, 3), finite("offsets", offsets)
@@ -285,8 +308,9 @@ def platform_overlap(
         raise InputError("platform", f"{len(faces)} normals and offsets {reach.shape}", "one offset a face")
     if not np.allclose(np.linalg.norm(faces, axis=1), 1.0, rtol=0.0, atol=1e-6):
         raise InputError("normals", "a length other than 1", "unit vectors")
-    turned = rotation_matrix(rotations, "rotations")
-    away = fixed - finite("positions", positions, 3)[..., None, :]
+    where, turned = owned("positions", positions, 3), rotation_matrices("rotations", rotations)
+    leading(("positions", where.shape, 1), ("rotations", turned.shape, 2))
+    away = fixed - where[..., None, :]
     runs = away @ turned - local  # in the platform frame
     depth = reach - local @ faces.T
     size = ON_SURFACE * float(np.abs(reach).max())

@@ -8,7 +8,8 @@ orientations, a path.
 Degeneracy. Poses know more than matrices, and what only rounding makes of them counts as nothing: a cable shorter than
 ``LENGTHLESS`` times the coordinates it is the difference of has no length, and moments that are all below ``TOLERANCE``
 times the longest arm are zero (cables through one point, which no tensions turn). Such a pose is undefined or singular,
-never held; so is one that is not finite. Everything else is as `wrench_closure` and `wrench_feasible` decide.
+never held; so is one that is not finite, and one of many whose matrix is no rotation. Everything else is as
+`wrench_closure` and `wrench_feasible` decide.
 """
 
 from __future__ import annotations
@@ -22,14 +23,22 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import cables, limits, owned, positive
+from steeplejack.mechanics.cable.arguments import (
+    cables,
+    characteristic,
+    leading,
+    limits,
+    owned,
+    rotation_matrices,
+    spread,
+    vectors,
+)
 from steeplejack.mechanics.cable.structure import LENGTHLESS
 from steeplejack.mechanics.cable.wrench import lanes
 from steeplejack.mechanics.cable.wrench.closure import MOST_CABLES, tension_factor
 from steeplejack.mechanics.cable.wrench.feasibility import FeasibilityStatus, wrench_feasible
 from steeplejack.mechanics.cable.wrench.hyperplanes import TOLERANCE
 from steeplejack.mechanics.cable.wrench.task import TaskWrenches
-from steeplejack.spatial.rotation import ORTHONORMAL
 
 Array = NDArray[np.float64]
 Blocks = Iterator[tuple[slice, Array]]
@@ -92,7 +101,7 @@ def spatial_closure_map(
         TF, (...) [1]; 0 where a cable has no length or a pose is not finite.
 
     Raises:
-        InputError: Shapes or numbers that cannot be meant, or matrices that are no rotations.
+        InputError: Shapes or numbers that cannot be meant, or one matrix for all that is no rotation.
     """
     fixed, local = _robot(anchors, attachments, 3)
     where, turns, shape = _spatial_poses(positions, rotations)
@@ -166,7 +175,7 @@ def spatial_feasibility_map(
         The map.
 
     Raises:
-        InputError: Shapes or numbers that cannot be meant, or matrices that are no rotations.
+        InputError: Shapes or numbers that cannot be meant, or one matrix for all that is no rotation.
     """
     fixed, local = _robot(anchors, attachments, 3)
     where, turns, shape = _spatial_poses(positions, rotations)
@@ -178,7 +187,7 @@ def _feasibility(
     blocks: Blocks, shape: tuple[int, ...], window: tuple[Array, Array], task: TaskWrenches, length: float
 ) -> FeasibilityMap:
     """The map from blocks of structure matrices."""
-    arm, count = positive("characteristic length", length), math.prod(shape)
+    arm, count = characteristic(length), math.prod(shape)
     margin, status = np.empty(count), np.empty(count, dtype=np.int64)
     many = task.vertices.ndim > 2
     for block, structures in blocks:
@@ -199,17 +208,9 @@ def _robot(anchors: ArrayLike, attachments: ArrayLike, size: int) -> tuple[Array
 
 def _spatial_poses(positions: ArrayLike, rotations: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     """Flat positions (k, 3) and rotations (k, 3, 3), and the leading axes they came with."""
-    where, turns = owned("positions", positions, 3), owned("rotations", rotations, 3, 3)
-    if not _all_rotations(turns.reshape(-1, 3, 3), ORTHONORMAL):
-        raise InputError("rotations", "a matrix that is no rotation", "rotation matrices (..., 3, 3)")
-    try:
-        shape = np.broadcast_shapes(where.shape[:-1], turns.shape[:-2])
-    except ValueError:
-        raise InputError(
-            "poses", f"positions {where.shape} and rotations {turns.shape}", "leading axes that broadcast"
-        ) from None
-    flat = np.array(np.broadcast_to(where, (*shape, 3)), order="C").reshape(-1, 3)
-    return flat, np.array(np.broadcast_to(turns, (*shape, 3, 3)), order="C").reshape(-1, 3, 3), shape
+    where, turns = vectors("positions", positions, 3), rotation_matrices("rotations", rotations)
+    shape = leading(("positions", where.shape, 1), ("rotations", turns.shape, 2))
+    return spread(where, shape, (3,)), spread(turns, shape, (3, 3)), shape
 
 
 def _task(task: TaskWrenches | ArrayLike, rows: int, shape: tuple[int, ...]) -> TaskWrenches:
@@ -321,21 +322,3 @@ def spatial_structures(
                 most = max(most, abs(moment))
         if most <= TOLERANCE * longest:
             structures[k, :3] *= 0.0
-
-
-@njit(cache=True)
-def _all_rotations(matrices: Array, tolerance: float) -> bool:
-    """Whether every matrix (k, 3, 3) is a rotation; those with an entry that is not a number are passed over."""
-    for k in range(matrices.shape[0]):
-        r = matrices[k]
-        for i in range(3):
-            for j in range(3):
-                product = 0.0 if i != j else -1.0
-                for c in range(3):
-                    product += r[i, c] * r[j, c]
-                if abs(product) > tolerance:
-                    return False
-        volume = r[0, 0] * (r[1, 1] * r[2, 2] - r[1, 2] * r[2, 1]) - r[0, 1] * (r[1, 0] * r[2, 2] - r[1, 2] * r[2, 0])
-        if volume + r[0, 2] * (r[1, 0] * r[2, 1] - r[1, 1] * r[2, 0]) < 0.0:
-            return False
-    return True

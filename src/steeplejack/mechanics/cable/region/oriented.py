@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import cables, finite, limits
+from steeplejack.mechanics.cable.arguments import cables, finite, kind, open_limits, whole
 from steeplejack.mechanics.cable.region import witness
 from steeplejack.mechanics.cable.region.certified import CertifiedRegion, branch, search_box
 from steeplejack.spatial.rotation import rotation_matrix
@@ -84,7 +84,8 @@ def pose_question(
         attachments: In the platform frame, (m, 3) [m].
         rotation: Reference ``R_0``, from platform to world, (3, 3); level if None.
         wrenches: (moment; force) that must each be balanced, (k, 6) or (6,) [N m, N]; with limits, zero if None.
-            Moments and forces keep their directions in the world while the platform turns.
+            Moments and forces keep their directions in the world while the platform turns. Forces act at ``centre``,
+            so a weight is given without the moment it has about the reference point.
         lower: Least tensions, (m,) or a scalar [N].
         upper: Greatest tensions, (m,) or a scalar, above the least [N].
         centre: Point of the platform frame at which the forces act, (3,) [m].
@@ -110,9 +111,7 @@ def pose_question(
     if limited:
         if lower is None or upper is None:
             raise InputError("tension limits", "one of the two", "least and greatest, or neither")
-        low, high = limits(lower, upper, len(fixed))
-        if not (np.isfinite(low).all() and np.isfinite(high).all() and np.all(low < high)):
-            raise InputError("tension limits", f"{low.tolist()} to {high.tolist()} N", "finite, least below greatest")
+        low, high = open_limits(lower, upper, len(fixed))
         given = np.atleast_2d(finite("wrenches", np.zeros(6) if wrenches is None else wrenches, 6))
         if given.ndim != 2 or not len(given):
             raise InputError("wrenches", f"shape {given.shape}", "shape (k, 6)")
@@ -131,6 +130,7 @@ def pose_question(
     )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def certify_poses(question: PoseQuestion, box: ArrayLike, gap: float = 0.1, most: int = 1_000_000) -> CertifiedRegion:
     """Enclose the poses of a search box, orientations included, that have the property asked for.
 
@@ -147,6 +147,7 @@ def certify_poses(question: PoseQuestion, box: ArrayLike, gap: float = 0.1, most
     Raises:
         InputError: A search box without volume, not finite or with turns above pi, or a gap that is not positive.
     """
+    kind("question", question, PoseQuestion)
     low, high = search_box(box, 6)
     _turns(np.stack((low[3:], high[3:]), axis=1))
     units, origin = np.repeat([question.length, 1.0], 3), np.append(question.origin, np.zeros(3))
@@ -164,6 +165,7 @@ def certify_poses(question: PoseQuestion, box: ArrayLike, gap: float = 0.1, most
     return branch(decide, first, last, units, origin, gap, most)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def certify_orientations(
     question: PoseQuestion, box: ArrayLike, turns: ArrayLike, gap: float = 0.05, most: int = 1_000_000
 ) -> CertifiedRegion:
@@ -183,6 +185,7 @@ def certify_orientations(
     Raises:
         InputError: A search box without volume or not finite, turns above pi, or a gap that is not positive.
     """
+    kind("question", question, PoseQuestion)
     low, high = search_box(box, 3)
     ends = _turns(finite("turns", turns, 3, 2))
     first, last = ((end - question.origin) / question.length for end in (low, high))
@@ -200,6 +203,7 @@ def certify_orientations(
     return branch(decide, first, last, np.full(3, question.length), question.origin, gap, most)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def failing_turn(turns: ArrayLike, number: int) -> Array:
     """The orientation at which a box of `certify_orientations` is proved outside.
 
@@ -214,8 +218,7 @@ def failing_turn(turns: ArrayLike, number: int) -> Array:
         InputError: No such range, or a number that belongs to no orientation.
     """
     ends, side = _turns(finite("turns", turns, 3, 2)), witness.LATTICE + 1
-    if not 0 <= number < side**3:
-        raise InputError("number", f"{number}", "that of a box proved outside")
+    number = whole("number", number, 0, side**3 - 1)
     place = np.array([number // side**2, number // side % side, number % side])
     return ends[:, 0] + (ends[:, 1] - ends[:, 0]) / witness.LATTICE * place
 

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers, vectors
+from steeplejack.mechanics.cable.arguments import kind, numbers, vectors
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
 from steeplejack.mechanics.cable.rest import hold, potential
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
@@ -158,6 +158,7 @@ def equilibria(platform: LockedPlatform, positions: ArrayLike, rotations: ArrayL
     Raises:
         InputError: A start has the wrong shape or is not finite.
     """
+    kind("platform", platform, LockedPlatform)
     places, turns = numbers("positions", positions), numbers("rotations", rotations)
     if not (places.ndim == 2 and turns.ndim in (1, 3) and len(places) == len(turns)):
         found = f"shapes {places.shape} and {turns.shape}"
@@ -185,7 +186,7 @@ def natural_frequencies(rest: Equilibrium, mass: ArrayLike) -> Array:
     Raises:
         InputError: The mass matrix has the wrong shape or is not symmetric positive definite.
     """
-    n = len(rest.stiffness)
+    n = len(kind("rest", rest, Equilibrium).stiffness)
     weight = vectors("mass matrix", mass, n, n)
     if weight.ndim != 2:
         raise InputError("mass matrix", f"shape {weight.shape}", f"({n}, {n})")
@@ -213,6 +214,7 @@ class Fall:
 
 def start_of(platform: LockedPlatform, position: ArrayLike, rotation: ArrayLike) -> tuple[Array, Array]:
     """A start in space, checked: position (3,) [m] and rotation (3, 3)."""
+    kind("platform", platform, LockedPlatform)
     place, turn = numbers("position", position), numbers("rotation", rotation)
     if turn.ndim == 0 and platform.in_plane:
         turn = turn_about_z(turn)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers
+from steeplejack.mechanics.cable.arguments import number, numbers
 from steeplejack.mechanics.cable.pose.tracking import PLANAR, SPATIAL
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_radii, unit_axes
 
@@ -192,10 +192,10 @@ def _made(
 
 def _number(where: str, value: float, unit: str) -> float:
     """One finite number."""
-    given = numbers(where, value)
-    if given.ndim or not abs(given) <= GREATEST:
-        raise InputError(where, f"{value}", f"a finite number of {unit}, at most {GREATEST:g}")
-    return float(given)
+    given = number(where, value)
+    if not abs(given) <= GREATEST:
+        raise InputError(where, f"{given:g}", f"a finite number of {unit}, at most {GREATEST:g}")
+    return given
 
 
 def _points(where: str, values: ArrayLike | list[ArrayLike], d: int) -> Array:
@@ -211,7 +211,7 @@ def _points(where: str, values: ArrayLike | list[ArrayLike], d: int) -> Array:
 def _rows(where: str, values: ArrayLike) -> Array:
     """Points or forces (j, 3), none where there are none."""
     given = numbers(where, values)
-    if given.size and (given.ndim > 2 or given.shape[-1] != 3):
+    if given.size and (given.ndim not in (1, 2) or given.shape[-1] != 3):
         raise InputError(where, f"shape {given.shape}", "(j, 3)")
     return given.reshape(-1, 3)
 

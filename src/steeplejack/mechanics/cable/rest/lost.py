@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import numbers, vectors
+from steeplejack.mechanics.cable.arguments import kind, number, numbers, rotation_matrices, vectors, whole
 from steeplejack.mechanics.cable.pulleys import in_space, pulley_runs
 from steeplejack.mechanics.cable.rest.equilibrium import (
     SLACK,
@@ -35,7 +35,6 @@ from steeplejack.mechanics.cable.rest.equilibrium import (
 )
 from steeplejack.mechanics.cable.rest.locked import LockedPlatform
 from steeplejack.mechanics.cable.rest.stiffness import turn_about_z
-from steeplejack.spatial.rotation import ORTHONORMAL
 
 Array = NDArray[np.float64]
 
@@ -165,17 +164,17 @@ def lost_cable(
     Raises:
         InputError: No such cable, no other cable, or a pose, corner or stride that is not usable.
     """
-    _check([cable], platform, stride)
+    (index,), step = _check([cable], platform, stride)
     place, turn = start_of(platform, position, rotation)
     spring = springs(platform, platform.unstressed, platform.axial_stiffness)
-    spring[cable] = 0.0
+    spring[index] = 0.0
     fall = fall_of(
         platform,
         platform.unstressed,
         spring,
         place,
         turn,
-        stride * float(platform.unstressed.max()),
+        step * float(platform.unstressed.max()),
         RECORD,
         _corners(platform, corners),
     )
@@ -222,8 +221,8 @@ def lost_cable_map(
     Raises:
         InputError: No such cable, no other cable, shapes that do not fit, or a stride that is not usable.
     """
-    lost = range(len(platform.anchors)) if cables is None else cables
-    _check(lost, platform, stride)
+    kind("platform", platform, LockedPlatform)
+    lost, step = _check(range(len(platform.anchors)) if cables is None else cables, platform, stride)
     places, turns, fixed = _poses(platform, positions, rotations, anchors)
     strain, around = _strain(platform, tensions, (len(places),)), _corners(platform, corners)
     table = _empty(len(places), len(lost), len(platform.anchors))
@@ -233,7 +232,7 @@ def lost_cable_map(
         unstressed = lengths / (1.0 + strain[k])
         if _have_length(unstressed):
             locked = replace(platform, anchors=fixed[k], unstressed=unstressed)
-            _settle_each(table, k, locked, lost, places[k], turns[k], stride, around)
+            _settle_each(table, k, locked, lost, places[k], turns[k], step, around)
         if progress is not None:
             progress(k + 1)
     table.drop[:] = (table.position - places[:, None]) @ _down(platform)
@@ -297,14 +296,11 @@ def _poses(
     k = len(places)
     if turns.shape != (k, 3, 3) and not (platform.in_plane and turns.shape == (k,)):
         raise InputError("rotations", f"shape {turns.shape}", f"({k}, 3, 3), or angles ({k},) in the plane")
-    turns = turn_about_z(turns) if turns.ndim == 1 else turns
-    with np.errstate(invalid="ignore", over="ignore"):
-        skew = np.abs(turns @ np.swapaxes(turns, -1, -2) - np.eye(3)).max(axis=(-2, -1), initial=0.0)
-        good = (skew <= ORTHONORMAL) & (np.linalg.det(turns) > 0.0)
+    turns = rotation_matrices("rotations", turn_about_z(turns) if turns.ndim == 1 else turns)
     fixed = platform.anchors if anchors is None else in_space(vectors("anchors", anchors, m, d))
     if fixed.shape not in ((m, 3), (k, m, 3)):
         raise InputError("anchors", f"shape {fixed.shape}", f"({k}, {m}, {d}), those of each pose")
-    return in_space(places), np.where(good[:, None, None], turns, np.nan), np.broadcast_to(fixed, (k, m, 3))
+    return in_space(places), turns, np.broadcast_to(fixed, (k, m, 3))
 
 
 def _strain(platform: LockedPlatform, tensions: ArrayLike, lead: tuple[int, ...]) -> Array:
@@ -315,16 +311,19 @@ def _strain(platform: LockedPlatform, tensions: ArrayLike, lead: tuple[int, ...]
     return np.broadcast_to(np.maximum(given, 0.0) / platform.axial_stiffness, (*lead, m))
 
 
-def _check(cables: Sequence[int], platform: LockedPlatform, stride: float) -> None:
-    """Refuse a cable that is not there, the loss of the only one, and steps of no length."""
-    m = len(platform.anchors)
-    for cable in cables:
-        if cable not in range(m):
-            raise InputError("cable", f"{cable}", f"0 to {m - 1}")
+def _check(cables: Sequence[int], platform: LockedPlatform, stride: float) -> tuple[list[int], float]:
+    """Cables to lose and the stride; refuses a cable that is not there, the loss of the only one, and tiny steps."""
+    m, step = len(kind("platform", platform, LockedPlatform).anchors), number("stride", stride)
+    try:
+        asked = list(cables)
+    except TypeError:
+        raise InputError("cables", f"{cables!r}", "a list of them") from None
+    lost = [whole("cable", cable, 0, m - 1) for cable in asked]
     if m < 2:
         raise InputError("cable", "the only one", "a platform with at least two cables")
-    if not 1e-6 <= stride <= 1.0:
-        raise InputError("stride", f"{stride:g}", "a share of the longest cable from 1e-6 to 1")
+    if not 1e-6 <= step <= 1.0:
+        raise InputError("stride", f"{step:g}", "a share of the longest cable from 1e-6 to 1")
+    return lost, step
 
 
 def _corners(platform: LockedPlatform, corners: ArrayLike | None) -> Array:

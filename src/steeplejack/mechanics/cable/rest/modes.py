@@ -6,7 +6,7 @@ nor those of their rows matter. Massless cables, no damping; at rest.
 
 Policy. A mass that is not positive, an inertia that is not symmetric or no body has (moments that are not positive, or
 one above the sum of the other two) or a mass matrix that is not symmetric positive definite is refused. Of a batch of
-stiffnesses those that are undefined have no modes, the others theirs.
+stiffnesses those that are undefined have no modes, the others theirs; rotations are taken as `arguments` says.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
+from steeplejack.mechanics.cable.arguments import angles, leading, positive, rotation_matrices, vectors
 
 Array = NDArray[np.float64]
 
@@ -50,6 +50,7 @@ class Modes:
         return np.sqrt(positive) / (2.0 * np.pi)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def natural_modes(stiffness: ArrayLike, mass: ArrayLike) -> Modes:
     """Natural frequencies and shapes of a platform at equilibrium.
 
@@ -88,6 +89,7 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike) -> Modes:
     return Modes(squares, shapes, squares[..., 0] > NEUTRAL * np.abs(squares).max(axis=-1))
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def planar_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, phi: ArrayLike) -> Array:
     """Mass matrix of a planar platform in ``(x, y, phi)`` about its reference point.
 
@@ -103,7 +105,7 @@ def planar_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, p
     Raises:
         InputError: Mass or inertia not above 0, or another shape.
     """
-    angle, weight, turning = numbers("phi", phi), _positive("mass", mass), _positive("inertia", inertia)
+    angle, weight, turning = angles("phi", phi), positive("mass", mass), positive("inertia", inertia)
     x, y = _point("centre", centre, 2)
     out = np.zeros((*angle.shape, 3, 3))
     out[..., 0, 0] = out[..., 1, 1] = weight
@@ -113,6 +115,7 @@ def planar_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, p
     return out
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def spatial_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, rotation: ArrayLike) -> Array:
     """Mass matrix of a platform in (angular; linear) about its reference point, world axes.
 
@@ -126,23 +129,15 @@ def spatial_mass_matrix(mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, 
         (..., 6, 6) [kg m2, kg m, kg].
 
     Raises:
-        InputError: A mass not above 0, an inertia no body has, or another shape.
+        InputError: A mass not above 0, an inertia no body has, another shape, or one matrix that is no rotation.
     """
-    turn, weight, own = vectors("rotation", rotation, 3, 3), _positive("mass", mass), _body_inertia(inertia)
+    turn, weight, own = rotation_matrices("rotation", rotation), positive("mass", mass), _body_inertia(inertia)
     cross = cross_matrix(turn @ _point("centre", centre, 3))
     out = np.zeros((*turn.shape[:-2], 6, 6))
     out[..., :3, :3] = turn @ own @ np.swapaxes(turn, -1, -2) - weight * cross @ cross
     out[..., :3, 3:], out[..., 3:, :3] = weight * cross, -weight * cross
     out[..., 3:, 3:] = weight * np.eye(3)
     return out
-
-
-def _positive(where: str, value: ArrayLike) -> float:
-    """One finite number above 0."""
-    given = numbers(where, value)
-    if given.ndim or not 0.0 < given < np.inf:
-        raise InputError(where, f"{given.tolist()}", "one finite number above 0")
-    return float(given)
 
 
 def _point(where: str, value: ArrayLike, axes: int) -> Array:

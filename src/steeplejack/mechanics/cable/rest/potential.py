@@ -170,28 +170,11 @@ def _spread(position: Array, rotation: Array, corners: Array, box: Array) -> Non
 
 @njit(cache=True)
 def descend(
-    anchors: Array,
-    axes: Array,
-    radii: Array,
-    attachments: Array,
-    unstressed: Array,
-    spring: Array,
-    rigid: Flags,
-    forces: Array,
-    points: Array,
-    moment: float,
-    freedoms: Ints,
-    gyration: float,
-    stride: float,
-    corners: Array,
-    position: Array,
-    rotation: Array,
-    tensions: Array,
-    hessian: Array,
-    box: Array,
-    path_positions: Array,
+    anchors: Array, axes: Array, radii: Array, attachments: Array, unstressed: Array, spring: Array, rigid: Flags,
+    forces: Array, points: Array, moment: float, freedoms: Ints, gyration: float, stride: float, corners: Array,
+    position: Array, rotation: Array, tensions: Array, hessian: Array, box: Array, path_positions: Array,
     path_rotations: Array,
-) -> tuple[int, int, int, float, float]:
+) -> tuple[int, int, int, float, float]:  # fmt: skip
     """Follow the damped fall from a pose to rest.
 
     Args:

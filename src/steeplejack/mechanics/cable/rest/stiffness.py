@@ -28,8 +28,18 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import each_cable, leading, numbers, spread, vectors
+from steeplejack.mechanics.cable.arguments import (
+    angles,
+    each_cable,
+    leading,
+    numbers,
+    one,
+    rotation_matrices,
+    rows,
+    spread,
+    stiffness_of,
+    vectors,
+)
 from steeplejack.mechanics.cable.pulleys import cable_run, in_space, pulley_radii, unit_axes
 from steeplejack.mechanics.cable.rest.curvature import add_cable, add_turn, arm_of
 
@@ -56,12 +66,10 @@ def cable_rates(axial_stiffness: ArrayLike, lengths: ArrayLike, tensions: ArrayL
     Raises:
         InputError: Shapes that do not fit, or an axial stiffness of zero or less.
     """
-    elastic, length = numbers("axial_stiffness", axial_stiffness), numbers("lengths", lengths)
+    elastic, length = stiffness_of(axial_stiffness), numbers("lengths", lengths)
     pull = numbers("tensions", tensions)
     leading(("axial_stiffness", elastic.shape, 0), ("lengths", length.shape, 0), ("tensions", pull.shape, 0))
-    if np.any(elastic <= 0.0):
-        raise InputError("axial_stiffness", f"{float(elastic.min()):g} N", "EA above 0")
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         return (elastic + np.maximum(pull, 0.0)) / length
 
 
@@ -98,13 +106,13 @@ def planar_stiffness(
     where = vectors("pose", pose, 3)
     full = spatial_stiffness(
         in_space(vectors("anchors", anchors, "m", 2)),
-        in_space(vectors("attachments", attachments, "m", 2)),
+        in_space(rows("attachments", attachments, 2)),
         in_space(where[..., :2]),
         turn_about_z(where[..., 2]),
         tensions,
         rates,
-        in_space(vectors("weight", weight, 2)),
-        in_space(vectors("centre", centre, 2)),
+        in_space(one("weight", weight, 2)),
+        in_space(one("centre", centre, 2)),
         axes,
         radii,
     )
@@ -141,16 +149,14 @@ def spatial_stiffness(
         Symmetric, (..., 6, 6): N m in the rotations, N/m in the displacements, N between them.
 
     Raises:
-        InputError: A shape that does not fit, or radii that are negative or not finite.
+        InputError: A shape that does not fit, radii that are negative or not finite, or one matrix that is no rotation.
     """
-    local = vectors("attachments", attachments, "m", 3)
-    if local.ndim != 2:
-        raise InputError("attachments", f"shape {local.shape}", "(m, 3)")
+    local = rows("attachments", attachments, 3)
     m = len(local)
     fixed, place = vectors("anchors", anchors, m, 3), vectors("position", position, 3)
-    turn, pull = vectors("rotation", rotation, 3, 3), vectors("tensions", tensions, m)
+    turn, pull = rotation_matrices("rotation", rotation), vectors("tensions", tensions, m)
     rate = each_cable("rates", rates, m)
-    load, middle = _one("weight", weight), _one("centre", centre)
+    load, middle = one("weight", weight, 3), one("centre", centre, 3)
     swivels, wheels = unit_axes(axes, m), pulley_radii(radii, m)
     shape = leading(
         ("anchors", fixed.shape, 2),
@@ -180,24 +186,18 @@ def turn_about_z(phi: ArrayLike) -> Array:
     """Rotation matrices of planar orientations, (..., 3, 3).
 
     Args:
-        phi: (...) [rad].
+        phi: (...) [rad]; not a number in every entry of the turn where one is infinite.
+
+    Raises:
+        InputError: No numbers.
     """
-    angle = np.asarray(phi, dtype=np.float64)
+    angle = angles("phi", phi)
     out = np.zeros((*angle.shape, 3, 3))
-    with np.errstate(invalid="ignore"):
-        out[..., 0, 0] = out[..., 1, 1] = np.cos(angle)
-        out[..., 1, 0] = np.sin(angle)
+    out[..., 0, 0] = out[..., 1, 1] = np.cos(angle)
+    out[..., 1, 0] = np.sin(angle)
     out[..., 0, 1] = -out[..., 1, 0]
     out[..., 2, 2] = 1.0
     return out
-
-
-def _one(where: str, value: ArrayLike) -> Array:
-    """One vector in space, (3,)."""
-    given = vectors(where, value, 3)
-    if given.ndim != 1:
-        raise InputError(where, f"shape {given.shape}", "(3,)")
-    return np.array(given)
 
 
 @njit(cache=True, error_model="numpy")

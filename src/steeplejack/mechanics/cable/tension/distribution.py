@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import each_cable, leading, numbers, spread, structures_of, vectors
+from steeplejack.mechanics.cable.arguments import each_cable, kind, leading, numbers, spread, structures_of, vectors
 from steeplejack.mechanics.cable.degeneracy import TOLERANCE
 from steeplejack.mechanics.cable.status import DistributionStatus
 from steeplejack.mechanics.cable.tension import choice
@@ -109,7 +109,7 @@ def distribute(
         InputError: Unknown method, one that does not take so many cables or that option, no numbers, or shapes that do
             not match.
     """
-    if method not in METHODS:
+    if kind("method", method, str) not in METHODS:
         raise InputError("method", f"{method!r}", f"one of {', '.join(METHODS)}")
     matrices, poses = structures_of(structure)
     _, n, m = matrices.shape
@@ -156,6 +156,7 @@ def distribute(
     )
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def certificate_gap(
     certificate: ArrayLike, structure: ArrayLike, wrench: ArrayLike, lower: ArrayLike, upper: ArrayLike
 ) -> Array:

@@ -1,7 +1,8 @@
 """Compiled margins of a planar four-cable robot over a grid; the kernel behind `region.grid.margin_grid`.
 
-Structure matrices are written node by node and each is decided as `distribute` decides it (`depth`), so map and pose
-agree.
+Structure matrices are written node by node, and each is decided and measured as `distribute` does it (`depth`), so map
+and pose agree. What counts as margin 1 is half the widest window before pull limits narrow any: one number for all
+nodes.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from steeplejack.mechanics.cable.status import NO, YES
-from steeplejack.mechanics.cable.tension.depth import settle
+from steeplejack.mechanics.cable.status import NO
+from steeplejack.mechanics.cable.tension.depth import settle, share_of_window
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 @njit(cache=True, error_model="numpy", parallel=True)
 def planar_margins(
     roots: Array, arms: Array, xs: Array, ys: Array, wrench: Array, lower: Array, upper: Array,
-    stays: Array, pull_limit: Array, half: float, margins: Array,
+    stays: Array, pull_limit: Array, margins: Array,
 ) -> None:  # fmt: skip
     """Margin of every node of a planar grid at one orientation; singular nodes and cables of no length get -inf.
 
@@ -35,7 +36,6 @@ def planar_margins(
         upper: (4,) [N].
         stays: Unit directions the anchors would slip along, (4, 2) [1].
         pull_limit: Greatest component of a cable's tension along its stay, (4,) [N]; infinite for none.
-        half: Depth that counts as margin 1 [N].
         margins: Written, (ny, nx) [1]; not negative exactly where feasible.
     """
     for j in prange(ys.size):
@@ -56,6 +56,4 @@ def planar_margins(
                 structure, wrench, lower, limit, 0.0, left, tau, scale, order, start, basis, bounds[0], bounds[1],
                 bounds[2], bounds[3], chosen, work, space, active, place, proof, nothing,
             )  # fmt: skip
-            margins[j, i] = -np.inf
-            if status <= NO:
-                margins[j, i] = (max(depth, 0.0) if status == YES else depth) / half
+            margins[j, i] = share_of_window(status, depth, start, lower, upper) if status <= NO else -np.inf

@@ -136,6 +136,7 @@ def in_wrench_closure(structure: ArrayLike) -> NDArray[np.bool_]:
     return tension_factor(structure) > 0.0
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def null_vector(structure: ArrayLike) -> Array:
     """Null vector of a 3x4 matrix by cofactors, ``n_i = (-1)^(i+1) det(J^T without column i)`` (Eq. 10).
 

@@ -126,8 +126,8 @@ def wrench_feasible(
     if close.size:
         proofs = np.full((close.size, n), np.nan)
         status[close] = verdicts_each(stacked[close], worst[close], lowers[close], uppers[close], proofs)
-        sizes = np.linalg.norm(proofs * weights, axis=-1, keepdims=True)
-        certificate[close] = proofs / sizes
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            certificate[close] = proofs / lengths_of(proofs * weights)
     certificate[status == FeasibilityStatus.FEASIBLE] = np.nan
     return Feasibility(
         feasible=(status == FeasibilityStatus.FEASIBLE).reshape(shape),
@@ -157,10 +157,18 @@ def characteristic_length(attachments: ArrayLike) -> float:
     given = numbers("attachments", attachments)
     if given.ndim != 2 or given.size == 0:
         raise InputError("attachments", f"shape {given.shape}", "(m, d) with at least one attachment")
-    mean = float(np.linalg.norm(given, axis=-1).mean())
+    with np.errstate(invalid="ignore", over="ignore"):
+        mean = float(np.linalg.norm(given, axis=-1).mean())
     if not 0.0 < mean < math.inf:
         raise InputError("attachments", f"mean distance {mean} m", "attachments off the reference point")
     return mean
+
+
+def lengths_of(vectors: Array) -> Array:
+    """Lengths of vectors (..., n), (..., 1); over the largest part first, so that no square vanishes or overflows."""
+    largest = np.abs(vectors).max(axis=-1, keepdims=True)
+    largest = np.where(largest > 0.0, largest, 1.0)
+    return largest * np.linalg.norm(vectors / largest, axis=-1, keepdims=True)
 
 
 def row_lengths(n: int, length: float) -> Array:

@@ -34,6 +34,9 @@ from steeplejack.mechanics.cable.status import NO, SINGULAR, UNDEFINED, YES
 
 Array = NDArray[np.float64]
 
+LEAST_SQUARE = 1e-280
+"""Below this a square has lost digits."""
+
 DEPENDENT = 1e-12
 """Share of a column's length off the span of others below which it lies in it: rounding, with room [1]."""
 
@@ -75,7 +78,7 @@ def factors_each(structures: Array, room: int, factors: Array, certificates: Arr
             certificates[k] = z / np.sqrt(np.sum(z * z))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def margins_each(
     structures: Array, room: int, lowers: Array, uppers: Array, vertices: Array, halves: Array, length: Array,
     margins: Array, surplus: Array, certificates: Array, worst: Array, status: NDArray[np.int64],
@@ -123,7 +126,7 @@ def margins_each(
             status[k] = YES if surplus[k] >= 0.0 else NO
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _nearest(
     columns: Array, scale: Array, normals: Array, length: Array, lower: Array, upper: Array, vertices: Array,
     half: Array, certificate: Array, worst: Array,
@@ -134,11 +137,9 @@ def _nearest(
     margin, surplus = np.inf, np.inf
     for j in range(normals.shape[0]):
         _work(columns, normals[j], v)
-        size = 0.0
         for r in range(n):
             normals[j, r] *= scale[r]
-            size += (normals[j, r] * length[r]) ** 2
-        size = math.sqrt(size)
+        size = weighted_length(normals[j], length)
         for sign in (1.0, -1.0):
             reach, least = support(v, sign, lower, upper)
             if reach == np.inf:
@@ -151,6 +152,21 @@ def _nearest(
                     certificate[r] = -sign * normals[j, r] / size
                     worst[r] = vertices[which, r] + (half[r] if sign * normals[j, r] < 0.0 else -half[r])
     return margin, surplus
+
+
+@njit(cache=True)
+def weighted_length(z: Array, weights: Array) -> float:
+    """Length of a normal (n,) whose rows are multiplied by weights (n,); over its largest part where squares vanish."""
+    square, largest = 0.0, 0.0
+    for r in range(z.size):
+        square += (z[r] * weights[r]) ** 2
+        largest = max(largest, abs(z[r] * weights[r]))
+    if LEAST_SQUARE < square < np.inf or not 0.0 < largest < np.inf:
+        return math.sqrt(square)
+    square = 0.0
+    for r in range(z.size):
+        square += (z[r] * weights[r] / largest) ** 2
+    return largest * math.sqrt(square)
 
 
 @njit(cache=True)

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.mechanics.cable.arguments import leading, numbers, vectors
+from steeplejack.mechanics.cable.arguments import angles, leading, numbers, rotation_matrices, vectors
 
 Array = NDArray[np.float64]
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def gravity_wrench(mass: ArrayLike, gravity: ArrayLike, arm: ArrayLike) -> Array:
     """Wrench of gravity, a force ``m g`` at the centre of mass.
 
@@ -41,6 +42,7 @@ def gravity_wrench(mass: ArrayLike, gravity: ArrayLike, arm: ArrayLike) -> Array
     return np.concatenate((np.cross(lever, force), force), axis=-1)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def inertial_wrench(
     mass: ArrayLike,
     inertia: ArrayLike,
@@ -66,10 +68,10 @@ def inertial_wrench(
         (moment; force), (..., 6) [N m, N].
 
     Raises:
-        InputError: No numbers, or shapes that do not match.
+        InputError: No numbers, shapes that do not match, or one matrix that is no rotation.
     """
     heavy, tensor, middle = numbers("mass", mass), vectors("inertia", inertia, 3, 3), vectors("centre", centre, 3)
-    turn, omega = vectors("rotation", rotation, 3, 3), vectors("angular velocity", angular_velocity, 3)
+    turn, omega = rotation_matrices("rotation", rotation), vectors("angular velocity", angular_velocity, 3)
     rate = vectors("acceleration", acceleration, 6)
     leading(
         ("mass", heavy.shape, 0),
@@ -89,6 +91,7 @@ def inertial_wrench(
     return np.concatenate(np.broadcast_arrays(moment, force), axis=-1)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def planar_inertial_wrench(
     mass: ArrayLike, inertia: ArrayLike, centre: ArrayLike, phi: ArrayLike, rate: ArrayLike, acceleration: ArrayLike
 ) -> Array:
@@ -110,8 +113,8 @@ def planar_inertial_wrench(
     """
     heavy, round_centre = numbers("mass", mass), numbers("inertia", inertia)
     local, motion = vectors("centre", centre, 2), vectors("acceleration", acceleration, 3)
-    angle, speed = numbers("phi", phi)[..., None], numbers("rate", rate)[..., None]
-    leading(
+    angle, speed = angles("phi", phi)[..., None], numbers("rate", rate)[..., None]
+    shape = leading(
         ("mass", heavy.shape, 0),
         ("inertia", round_centre.shape, 0),
         ("centre", local.shape, 1),
@@ -120,7 +123,7 @@ def planar_inertial_wrench(
         ("acceleration", motion.shape, 1),
     )
     cos, sin, x, y = np.cos(angle), np.sin(angle), local[..., :1], local[..., 1:]
-    arm = np.concatenate((cos * x - sin * y, sin * x + cos * y), axis=-1)
+    arm = np.broadcast_to(np.concatenate((cos * x - sin * y, sin * x + cos * y), axis=-1), (*shape, 2))
     alpha = motion[..., 2:]
     of_centre = motion[..., :2] + alpha * np.stack((-arm[..., 1], arm[..., 0]), axis=-1) - speed**2 * arm
     force = -heavy[..., None] * of_centre

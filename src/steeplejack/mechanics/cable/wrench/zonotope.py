@@ -20,7 +20,7 @@ from steeplejack.errors import InputError
 from steeplejack.mechanics.cable.arguments import characteristic, each_cable, structures_of
 from steeplejack.mechanics.cable.status import WrenchSetStatus
 from steeplejack.mechanics.cable.wrench import hyperplanes
-from steeplejack.mechanics.cable.wrench.feasibility import row_lengths
+from steeplejack.mechanics.cable.wrench.feasibility import lengths_of, row_lengths
 
 Array = NDArray[np.float64]
 
@@ -70,9 +70,10 @@ def available_wrench_set(structure: ArrayLike, lower: ArrayLike, upper: ArrayLik
     status = _status(count, low, high)
     if status != WrenchSetStatus.SOLID:
         return WrenchSet(np.empty((0, n)), np.empty(0), status)
-    size = np.linalg.norm(normals[:count] * weights, axis=-1)
-    unit, reach = normals[:count] / size[:, None], reaches[:count] / size
-    kept = _distinct(unit * weights) & np.isfinite(reach)
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        size = lengths_of(normals[:count] * weights)
+        unit, reach = normals[:count] / size, reaches[:count] / size[:, 0]
+        kept = _distinct(unit * weights) & np.isfinite(reach)
     return WrenchSet(unit[kept], reach[kept], WrenchSetStatus.SOLID)
 
 
