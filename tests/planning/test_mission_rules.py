@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from statics import Pose, poses, potential_hessian
 
-from steeplejack.planning import Mission, Request, Rules, Scene, inspection, plan
+from steeplejack.planning import Mission, Request, Rules, Scene, plan, visits
 from steeplejack.planning.certificate import hold, meets
 from steeplejack.robots.squad import Bay, Squad
 from steeplejack.worksite import Bridge
@@ -203,7 +203,7 @@ def test_a_run_is_certified_as_it_is_flown(
     bridge: Bridge, bay: Bay, squad: Squad, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However strongly the stand-off is smoothed, what leaves the certified set is not planned smoothed."""
-    monkeypatch.setattr(inspection, "SMOOTHING", 61)
+    monkeypatch.setattr(visits, "SMOOTHING", 61)
     rules = replace(RULES, payload=12.0)
     scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
     request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 42.0, "under", 12.0, rules.tension)

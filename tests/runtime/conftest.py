@@ -14,5 +14,5 @@ from steeplejack.worksite import Bridge
 def mission(bridge: Bridge, squad: Squad, bay: Bay) -> Mission:
     """Two cells on one interior stay: inspection, flights, braces and the drives of a squad move."""
     rules = Rules(tension=(20.0, 250.0))
-    asked = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 45.0, "under", 0.0, rules.tension)
+    asked = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 50.0, "under", 0.0, rules.tension)
     return plan(Scene.of(bay, squad, rules, np.array(bridge.gravity)), asked, (), lambda _done: None)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from steeplejack.mechanics.cable.region import clearance
 from steeplejack.mechanics.cable.rest import statics
 from steeplejack.robots.squad import in_plane, suspension
-from steeplejack.robots.squad.anchorage import exits, limits
+from steeplejack.robots.squad.anchorage import ALONG, exits, limits
 from steeplejack.robots.squad.bay import Bay
 from steeplejack.robots.squad.parameters import Squad
 
@@ -251,6 +251,22 @@ def meets(scene: Scene, quality: Array, hair: float = 0.0) -> NDArray[np.bool_]:
     good &= quality[:, 3] >= scene.squad.platform.clearance - hair
     good &= quality[:, 5] >= scene.rules.dexterity - hair
     return good & (quality[:, 4] <= scene.squad.winch.stored_length + hair)
+
+
+def slip_margin(scene: Scene, anchors: Array, pull: Array, points: Array, rotation: Array, tension: Array) -> Array:
+    """Least over gripped bases of 1 - pull along the stay / what a base holds (n,) [1]; below 0 one slips.
+
+    Args:
+        scene: The machine.
+        anchors: Winch exits (..., 4, 3) [m].
+        pull: Linear limits (..., 2, 4, 4), for the stays' tangents.
+        points: Platform positions (n, 3) [m].
+        rotation: Its orientations (n, 3, 3).
+        tension: Of the cables (n, 4) [N].
+    """
+    towards = anchors - points[:, None] - np.einsum("nij,aj->nai", rotation, scene.attachments)
+    share = np.abs(np.sum(towards * pull[..., ALONG, :, :3], axis=-1)) / np.linalg.norm(towards, axis=-1)
+    return 1.0 - np.max(tension * share, axis=-1) / scene.squad.base.hold_force
 
 
 def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:

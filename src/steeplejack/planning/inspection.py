@@ -7,31 +7,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
-from steeplejack.errors import InfeasibleError, SteeplejackError
-from steeplejack.planning.certificate import Scene, hold, meets
-from steeplejack.planning.lattice import SAMPLE, Lattice, profile_along, runs, visible_levels
-from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered, Waypoint
-from steeplejack.planning.moves import Drive, fly, squad_move
-from steeplejack.planning.stances import LOWER, UPPER, Cell, find, why_not
+from steeplejack.errors import InfeasibleError
+from steeplejack.planning.cell import AMPLE, Cell
+from steeplejack.planning.certificate import Scene
+from steeplejack.planning.chain import Limits, Planned, best_chain
+from steeplejack.planning.lattice import Lattice, runs
+from steeplejack.planning.legs import driving, flight, four, joined, least_margin
+from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered
+from steeplejack.planning.moves import fly, squad_move
+from steeplejack.planning.pool import LOWER, UPPER, Site, pools
+from steeplejack.planning.stances import find, why_not
+from steeplejack.planning.visits import visits
 from steeplejack.robots.squad.anchorage import Stance
-from steeplejack.spatial import to_quaternion
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 STANCES_PER_CELL = 3
 LEAST_GAIN = 1.0  # [m] of stay a further stance must add
-BRACED = 0.5  # [N] of jump in a planned tension above which a brace is inserted
-BRACE_SAMPLE = 5.0  # [N] between the equilibria of a brace
-BRACE_SPEED = 20.0  # [N/s] and [N/s2], estimate: a tenth of the winch's pull a second
-ROUNDING = (
-    1e-3  # [m or N] by which a waypoint may miss what was certified: tensions and angles are rounded in a mission
-)
-TURNING = 0.7  # [1] share of a base's turning rate that a plan uses
+MOVES = 8  # moves to the stances of one cell that are planned before the best of them is taken
+POOLED = 0.6  # [1] share of the time of a plan that candidates take
 AROUND = 25.0  # [m] of stay beyond the outermost base that clearances are checked against
-SMOOTHING = 5  # stations over which the stand-off is averaged, twice
 
 
 @dataclass(frozen=True)
@@ -57,26 +54,12 @@ def plan(scene: Scene, request: Request, assumed: tuple[str, ...], step: Callabl
         InfeasibleError: No stance holds any of it; names the binding limit.
     """
     bay = scene.bay
-    state = _Progress(None, None, 0, ())
-    uncovered: list[Uncovered] = []
-    cells = _cells(request.from_m, request.to_m, scene.rules.cell_length)
-    for done, (low, high) in enumerate(cells):
-        local = scene.around(*_surroundings(low, high, state))
-        lattice = Lattice.over(local, low, high)
-        wanted = _wanted(local, lattice)
-        left = wanted.copy()
-        for _ in range(STANCES_PER_CELL):
-            found = find(local, Cell(low, high, left), lattice)
-            if found is None or found[1].sum() * _spacing(lattice) < min(LEAST_GAIN, left.sum() * _spacing(lattice)):
-                break
-            stance, _flags = found
-            advanced = _advance(local, lattice, state, stance, left)
-            if advanced is None:
-                break
-            state, seen = advanced
-            left &= ~seen
-        uncovered += _reasons(local, Cell(low, high, left), lattice)
-        step((done + 1) / len(cells))
+    sites = _sites(scene, request.from_m, request.to_m)
+    chain = _chain(scene, sites, step)
+    state, uncovered = chain.state, []
+    for (local, cell, lattice), left in zip(sites, chain.left, strict=True):
+        uncovered += _reasons(local, replace(cell, wanted=left), lattice)
+    step(1.0)
     if not any(leg.kind == "inspect" for leg in state.legs):
         why = uncovered[0].why if uncovered else "the stretch lies in end zones or obstacles"
         raise InfeasibleError(f"no stance holds the platform on fan {bay.fan}, stays {request.stays}", why)
@@ -95,16 +78,39 @@ def plan(scene: Scene, request: Request, assumed: tuple[str, ...], step: Callabl
     ).sealed()
 
 
-def held_fraction(scene: Scene, low: float, high: float) -> float:
-    """Share of [low, high] on the interior stays that the best stance of each cell holds, moves aside."""
-    held, wanted = 0, 0
+def _sites(scene: Scene, low: float, high: float) -> list[Site]:
+    """The cells of a stretch, each with the scene about it and its lattice."""
+    out: list[Site] = []
     for a, b in _cells(low, high, scene.rules.cell_length):
         local = scene.around(*_surroundings(a, b, None))
         lattice = Lattice.over(local, a, b)
-        cell = Cell(a, b, _wanted(local, lattice))
-        found = find(local, cell, lattice)
-        wanted += int(cell.wanted.sum())
-        held += 0 if found is None else int(found[1].sum())
+        out.append((local, Cell(a, b, _wanted(local, lattice)), lattice))
+    return out
+
+
+def _chain(scene: Scene, sites: list[Site], step: Callable[[float], None]) -> Planned[_Progress]:
+    """The stances to take, with the squad's moves and the platform's legs."""
+    found = pools(sites, lambda share: step(POOLED * share))
+
+    def move(state: _Progress, at: tuple[int, int], left: Flags) -> tuple[_Progress, Flags, float] | None:
+        _scene, cell, lattice = sites[at[0]]
+        local = scene.around(*_surroundings(cell.low, cell.high, state))
+        step(POOLED + (1.0 - POOLED) * at[0] / len(sites))
+        return _advance(local, lattice, state, found[at[0]][at[1]].stance, left)
+
+    gain = int(np.ceil(LEAST_GAIN / _spacing(sites[0][2]) - 1e-9))
+    wanted = [cell.wanted for _scene, cell, _lattice in sites]
+    start = _Progress(None, None, 0, ())
+    return best_chain(found, wanted, start, move, Limits(gain, STANCES_PER_CELL, MOVES))
+
+
+def held_fraction(scene: Scene, low: float, high: float) -> float:
+    """Share of [low, high] on the interior stays that the best stance of each cell holds, moves aside."""
+    held, wanted = 0, 0
+    for site in _sites(scene, low, high):
+        found = find(*site)
+        wanted += int(site[1].wanted.sum())
+        held += 0 if found is None else int(found.held.sum())
     return held / wanted if wanted else 0.0
 
 
@@ -141,217 +147,46 @@ def _wanted(scene: Scene, lattice: Lattice) -> Flags:
 
 def _advance(
     scene: Scene, lattice: Lattice, state: _Progress, stance: Stance, wanted: Flags
-) -> tuple[_Progress, Flags] | None:
-    """Move the squad to a stance and inspect from it; None when the squad cannot get there."""
+) -> tuple[_Progress, Flags, float] | None:
+    """Move the squad to a stance and inspect from it.
+
+    Returns:
+        Where it is then, the stations seen and the least slip margin, ample at most, of the legs that all bases are
+        gripped in; None when the squad cannot get there, or not brace itself on the way.
+    """
     legs: list[Leg] = []
     place, number = state.place, state.number
     if state.stance is not None and place is not None:
-        number += 1
         span = Lattice.over(scene, min(place[1], lattice.s[0]), lattice.s[-1], coarse=2)
         drives = squad_move(scene, state.stance, stance, place, span)
         if drives is None:
             return None
+        number += bool(drives)  # two cells may be inspected from one stance
         for drive in drives:
-            legs += [_flight(scene, drive.before, piece, number, "fly", None) for piece in drive.flight]
-            legs.append(_driving(scene, drive, number))
+            legs += [flight(scene, drive.before, piece, number, "fly", None) for piece in drive.flight]
+            legs.append(driving(scene, drive, number))
             place = drive.park
         # A base that did not drive keeps its clock angle, whatever the search gave it.
-        stance = replace(stance, clock=_tuple(drives[-1].clock[-1])) if drives else state.stance
+        stance = replace(stance, clock=four(drives[-1].clock[-1])) if drives else state.stance
     anchors, pull = scene.anchors(np.array(stance.s), np.array(stance.clock))
     held, good = lattice.held(scene, anchors, pull)
     room = held.quality[:, 0].reshape(lattice.shape)
     seen = np.zeros_like(wanted)
-    for row, first, last, places in _visits(scene, lattice, (anchors, pull), room, good, wanted, place):
+    for row, first, last, places in visits(scene, lattice, (anchors, pull), room, good, wanted, place):
         k = scene.bay.interior[row]
         if place is not None:
             pieces = fly(scene, lattice, stance, place, places[0])
             if pieces is None:
                 continue
-            legs += [_flight(scene, stance, piece, number, "fly", None) for piece in pieces]
-        legs.append(_flight(scene, stance, places, number, "inspect", scene.bay.stays[k].id))
+            legs += [flight(scene, stance, piece, number, "fly", None) for piece in pieces]
+        legs.append(flight(scene, stance, places, number, "inspect", scene.bay.stays[k].id))
         place = places[-1]
         seen[row, first : last + 1] = True
-    return _Progress(stance, place, number, _joined(scene, (*state.legs, *legs))), seen
-
-
-def _visits(
-    scene: Scene,
-    lattice: Lattice,
-    stance: tuple[Array, Array],
-    room: Array,
-    good: Flags,
-    wanted: Flags,
-    place: Array | None,
-) -> list[tuple[int, int, int, Array]]:
-    """Runs (row, first, last station, places) in zigzag order from the corner nearest to the platform."""
-    rows = list(range(len(scene.bay.interior)))
-    up = True
-    if place is not None:
-        up = abs(place[1] - lattice.s[0]) <= abs(place[1] - lattice.s[-1])
-        if abs(place[0] - scene.bay.interior[0]) > abs(place[0] - scene.bay.interior[-1]):
-            rows.reverse()
-    out: list[tuple[int, int, int, Array]] = []
-    for row in rows:
-        found = _stay_runs(scene, lattice, stance, room, good, wanted[row], row)
-        for first, last, places in found if up else found[::-1]:
-            out.append((row, first, last, places if up else places[::-1]))
-        up = up != bool(found)
-    return out
-
-
-def _stay_runs(
-    scene: Scene,
-    lattice: Lattice,
-    stance: tuple[Array, Array],
-    room: Array,
-    good: Flags,
-    wanted: Flags,
-    row: int,
-) -> list[tuple[int, int, Array]]:
-    """Certified runs (first, last station, places) along one interior stay.
-
-    Stations are certified on the lattice; the run between them, stand-off smoothed, is certified again as it will be
-    flown, and cut where that fails.
-    """
-    k = scene.bay.interior[row]
-    node = int(np.argmin(np.abs(lattice.eta - k)))
-    visible = good[node] & visible_levels(scene, lattice, k)[None, :]
-    near, far = scene.squad.camera.stand_off
-    preferred = scene.bay.radius(k) + near + 0.4 * (far - near)
-    level, reached = profile_along(room[node], visible, lattice.d, preferred)
-    jump = np.concatenate([[False], np.abs(np.diff(level)) > 2])
-    out: list[tuple[int, int, Array]] = []
-    for first, last in runs(reached & wanted, jump):
-        out += _certified(scene, lattice, stance, float(k), first, last, level)
-    return out
-
-
-def _certified(
-    scene: Scene,
-    lattice: Lattice,
-    stance: tuple[Array, Array],
-    k: float,
-    first: int,
-    last: int,
-    level: NDArray[np.int64],
-) -> list[tuple[int, int, Array]]:
-    """A run as it will be flown: smoothed, or as found where smoothing leaves the certified set, or its good parts."""
-    if last == first:
-        return []
-    part = slice(first, last + 1)
-    for smoothing in (SMOOTHING, 1):
-        places = _path(lattice, k, part, level, smoothing)
-        good = hold(scene, *stance, places).good
-        if good.all():
-            return [(first, last, places)]
-    broken = np.flatnonzero(~good)
-    cut = int(np.clip(np.searchsorted(lattice.s, places[broken[0], 1]), first + 1, last))
-    halves = ((first, cut - 1), (cut, last))
-    return [run for a, b in halves for run in _certified(scene, lattice, stance, k, a, b, level)]
-
-
-def _path(lattice: Lattice, k: float, part: slice, level: NDArray[np.int64], smoothing: int) -> Array:
-    """Places (n, 3) of a run, a sample apart, its stand-off averaged twice over ``smoothing`` stations."""
-    s, raw = lattice.s[part], lattice.d[level[part]]
-    off = uniform_filter1d(uniform_filter1d(raw, smoothing, mode="nearest"), smoothing, mode="nearest")
-    fine = np.linspace(s[0], s[-1], max(3, int(np.ceil((s[-1] - s[0]) / SAMPLE)) + 1))
-    return np.column_stack([np.full(len(fine), k), fine, np.interp(fine, s, off)])
-
-
-def _flight(scene: Scene, stance: Stance, places: Array, number: int, kind: str, stay: str | None) -> Leg:
-    """A leg of the platform between gripped bases."""
-    anchors, pull = scene.anchors(np.array(stance.s), np.array(stance.clock))
-    points = scene.bay.place(places[:, 0], places[:, 1], places[:, 2])
-    travel = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    s, clock = np.tile(stance.s, (len(places), 1)), np.tile(stance.clock, (len(places), 1))
-    waypoints = _waypoints(scene, travel, places, points, anchors, pull, s, clock)
-    motion = scene.squad.motion
-    if kind == "inspect":
-        return Leg("inspect", number, stay, None, motion.speed, motion.acceleration, waypoints)
-    return Leg("fly", number, None, None, motion.transit_speed, motion.acceleration, waypoints)
-
-
-def _driving(scene: Scene, drive: Drive, number: int) -> Leg:
-    """A leg of one base, the platform parked."""
-    anchors, pull = scene.anchors(drive.s, drive.clock, drive.base)
-    places = np.tile(drive.park, (len(drive.s), 1))
-    points = scene.bay.place(places[:, 0], places[:, 1], places[:, 2])
-    travel = np.abs(drive.s[:, drive.base] - drive.s[0, drive.base])
-    waypoints = _waypoints(scene, travel, places, points, anchors, pull, drive.s, drive.clock)
-    base, turned = scene.squad.base, np.abs(np.diff(drive.clock[:, drive.base]))
-    steepest = float(np.max(turned / np.diff(travel)))  # [rad/m]
-    # Part of the turning rate is left to the controller that follows the reference.
-    speed = min(scene.squad.motion.drive_speed, TURNING * base.max_turn_rate / max(steepest, 1e-9))
-    return Leg("drive", number, None, drive.base + 1, speed, base.max_acceleration, waypoints)
-
-
-def _joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
-    """The legs with a brace wherever the planned tensions would jump from one to the next."""
-    out: list[Leg] = list(legs[:1])
-    for leg in legs[1:]:
-        before, after = out[-1].waypoints[-1], leg.waypoints[0]
-        change = np.subtract(after.tension_n, before.tension_n)
-        most = float(np.max(np.abs(change)))
-        if most > BRACED:
-            out.append(_brace(scene, before, after, change, leg.stance))
-        out.append(leg)
-    return tuple(out)
-
-
-def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, number: int) -> Leg:
-    """Change the tensions at one place, through equilibria, all bases gripped.
-
-    Both ends lie in the family ``t_p + lambda n`` of one place and within the limits of gripped bases, so what lies
-    between nearly does; each step is certified with its own orientation.
-    """
-    most = float(np.max(np.abs(change)))
-    share = np.linspace(0.0, 1.0, max(3, int(np.ceil(most / BRACE_SAMPLE)) + 1))
-    places = np.tile(before.place, (len(share), 1))
-    points = np.tile(before.position_m, (len(share), 1))
-    s, clock = np.tile(after.base_s_m, (len(share), 1)), np.tile(np.radians(after.base_clock_deg), (len(share), 1))
-    anchors, pull = scene.anchors(s[0], clock[0])
-    target = np.asarray(before.tension_n) + share[:, None] * change
-    waypoints = _waypoints(scene, most * share, places, points, anchors, pull, s, clock, target)
-    return Leg("brace", number, None, None, BRACE_SPEED, BRACE_SPEED, waypoints)
-
-
-def _waypoints(
-    scene: Scene,
-    travel: Array,
-    places: Array,
-    points: Array,
-    anchors: Array,
-    pull: Array,
-    s: Array,
-    clock: Array,
-    target: Array | None = None,
-) -> tuple[Waypoint, ...]:
-    held = hold(scene, anchors, pull, places, target)
-    # Every caller has certified these places; what differs is the rounding of the file.
-    if not meets(scene, held.quality, ROUNDING).all():
-        raise SteeplejackError(f"a waypoint near s = {places[0, 1]:.1f} m does not meet the limits it was planned for")
-    return tuple(
-        Waypoint(
-            round(float(travel[j]), 6),
-            _three(places[j]),
-            _three(points[j]),
-            _tuple(to_quaternion(held.rotation[j])),
-            _tuple(held.tension[j], 4),
-            _tuple(s[j], 6),
-            _tuple(np.degrees(clock[j]), 6),
-        )
-        for j in range(len(places))
-    )
-
-
-def _tuple(values: Array, digits: int = 9) -> tuple[float, float, float, float]:
-    a, b, c, d = (round(float(v), digits) for v in values)
-    return a, b, c, d
-
-
-def _three(values: Array) -> tuple[float, float, float]:
-    a, b, c = (round(float(v), 6) for v in values)
-    return a, b, c
+    whole = joined(scene, (*state.legs, *legs))
+    if whole is None:
+        return None
+    least = min(AMPLE, least_margin(scene, whole[len(state.legs) :]))
+    return _Progress(stance, place, number, whole), seen, least
 
 
 def _reasons(scene: Scene, cell: Cell, lattice: Lattice) -> list[Uncovered]:

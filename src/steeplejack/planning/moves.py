@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from steeplejack.planning.certificate import Scene, hold, survey
 from steeplejack.planning.lattice import Lattice, route, straighten
-from steeplejack.robots.squad.anchorage import Stance, admissible
+from steeplejack.robots.squad.anchorage import ALONG, Stance, admissible
 
 Array = NDArray[np.float64]
 
 DRIVE_SAMPLE = 0.25  # [m] between certified places of a base under way
 PARKS = 12  # parks certified for one drive before it counts as impossible
+SPARE = 0.05  # [1] of its drive force that a base under way keeps beyond the reserve, where that can be certified
 CROWDED = 40.0  # [N] of room above which a park is no better for having more
 
 
@@ -34,6 +35,7 @@ class Drive:
     s: Array  # (m, 4) base positions along the drive [m]
     clock: Array  # (m, 4) clock angles along the drive [rad]
     before: Stance  # stance the flight takes place in
+    pull: Array  # (m, 2, 4, 4) linear limits it is certified with
 
 
 def _turned(start: float, end: float) -> float:
@@ -129,7 +131,11 @@ def squad_move(scene: Scene, now: Stance, then: Stance, place: Array, lattice: L
             continue
         anchors, pull = scene.anchors(s, clock, base)
         for park in _parks(scene, lattice, base, s, clock, place):
-            if not hold(scene, anchors, pull, np.tile(park, (len(s), 1))).good.all():
+            places = np.tile(park, (len(s), 1))
+            kept = next(
+                (each for each in (_eased(scene, pull, base), pull) if _held(scene, anchors, each, places)), None
+            )
+            if kept is None:
                 continue
             flight = fly(scene, lattice, now, place, park)
             if flight is None:
@@ -137,9 +143,20 @@ def squad_move(scene: Scene, now: Stance, then: Stance, place: Array, lattice: L
             after = replace(now, s=_set(now.s, base, then.s[base]), clock=_set(now.clock, base, float(clock[-1, base])))
             rest = squad_move(scene, after, then, park, lattice)
             if rest is not None:
-                return [Drive(base, flight, park, s, clock, now), *rest]
+                return [Drive(base, flight, park, s, clock, now, kept), *rest]
             break
     return None
+
+
+def _eased(scene: Scene, pull: Array, base: int) -> Array:
+    """Linear limits (..., 2, 4, 4) with less pull of the base under way: more is left for what control adds."""
+    eased = pull.copy()
+    eased[..., ALONG, base, 3] -= SPARE * scene.squad.base.drive_force
+    return eased
+
+
+def _held(scene: Scene, anchors: Array, pull: Array, places: Array) -> bool:
+    return bool(hold(scene, anchors, pull, places).good.all())
 
 
 def _set(values: tuple[float, float, float, float], index: int, value: float) -> tuple[float, float, float, float]:

@@ -1,41 +1,35 @@
-"""Plain search for stances: where the four bases stand so that the platform is held along a cell.
+"""The grid of stances for a cell: where the four bases may stand so that the platform is held along it.
 
 Candidates are products of a few offsets of each base from the ends of the cell. The fast survey ranks them by how much
-of the cell they hold; the best are certified until one holds as much as any can.
+of the cell they hold, at some stations first; the best are certified until one holds as much as any can. From there
+:mod:`steeplejack.planning.pool` goes on.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.certificate import Scene, binding, hold, survey
+from steeplejack.planning.cell import Candidate, Cell, Judge, middle
+from steeplejack.planning.certificate import Scene, binding, survey
 from steeplejack.planning.lattice import Lattice, visible_levels
-from steeplejack.robots.squad.anchorage import Stance, admissible, facing
+from steeplejack.robots.squad.anchorage import admissible, facing
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 
 # Offsets of a lower base above the cell's lower end, of an upper base above its upper end [m]. Upper bases stand well
 # above: at 25-45 deg of inclination a cable from close above pulls along the platform's own stay and lifts little.
 LOWER = (-10.0, -6.0, -4.0, -2.0, 0.0, 2.0, 4.0)
 UPPER = (3.0, 6.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0)
+SOME = 4, 3  # every so many stations, and stand-offs, are looked at first
+RANKED = 400  # stances surveyed at all of them
 CERTIFIED = 12  # stances certified in full before the best of them is taken
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A stretch of the bay inspected from one stance: stations (interior stays, stations) along [low, high]."""
-
-    low: float
-    high: float
-    wanted: Flags  # (interior stays, stations)
-
-
-def candidates(scene: Scene, cell: Cell) -> Array:
+def grid_about(scene: Scene, cell: Cell) -> Array:
     """Stances (n, 4) of base positions [m] that stand clear of end zones, obstacles and each other."""
     bay, squad = scene.bay, scene.squad
     grid = np.array(list(product(LOWER, LOWER, UPPER, UPPER)))
@@ -49,59 +43,46 @@ def candidates(scene: Scene, cell: Cell) -> Array:
     return grid[good & (np.max(grid, axis=1) - cell.low < reach)]
 
 
-def middle(scene: Scene, cell: Cell) -> Array:
-    """World point (3,) [m] in the middle of a cell at the middle of the camera's range."""
-    near, far = scene.squad.camera.stand_off
-    radius = max(scene.bay.radius(k) for k in scene.bay.interior)
-    eta = 0.5 * (len(scene.bay.stays) - 1)
-    return scene.bay.place(eta, 0.5 * (cell.low + cell.high), radius + 0.5 * (near + far))
+def ranked(scene: Scene, cell: Cell, lattice: Lattice) -> tuple[Array, Indices]:
+    """Stances (n, 4) [m] that hold most of a cell by the survey, best first, and how many stations each holds (n,).
 
-
-def _inspected(scene: Scene, cell: Cell, lattice: Lattice) -> tuple[Array, NDArray[np.int64]]:
-    """Places (n, 3) from which wanted stations can be seen, and the flat station of each."""
-    places, stations = [], []
-    for row, k in enumerate(scene.bay.interior):
-        levels = lattice.d[visible_levels(scene, lattice, k)]
-        for j in np.flatnonzero(cell.wanted[row]):
-            places.append(np.column_stack([np.full(len(levels), float(k)), np.full(len(levels), lattice.s[j]), levels]))
-            stations.append(np.full(len(levels), row * cell.wanted.shape[1] + j))
-    return np.concatenate(places), np.concatenate(stations)
-
-
-def find(scene: Scene, cell: Cell, lattice: Lattice) -> tuple[Stance, Flags] | None:
-    """The stance that holds most of a cell, and the stations it holds; None where no candidate holds any."""
-    grid = candidates(scene, cell)
+    Among stances that hold the same number of stations, the one with more room on average comes first.
+    """
+    grid = grid_about(scene, cell)
     if not len(grid) or not cell.wanted.any():
-        return None
-    places, stations = _inspected(scene, cell, lattice)
-    points = scene.bay.place(places[:, 0], places[:, 1], places[:, 2])
-    clock = facing(scene.bay, grid, middle(scene, cell))
-    anchors, pull = scene.anchors(grid, clock)
-    lower, upper = scene.window
-    eta = 0.5 * (len(scene.bay.stays) - 1)
-    rotation = scene.bay.frame(eta, 0.5 * (cell.low + cell.high))
-    room = survey(anchors, pull, scene.attachments, scene.weight, rotation, points, lower, upper)
-    held = np.zeros((len(grid), cell.wanted.size))
-    np.maximum.at(held.T, stations, np.maximum(room, 0.0).T)
-    count = np.sum(held > 0.0, axis=1)
-    # Among stances that hold the same number of stations, the one with more room on average.
-    order = np.argsort(-(count + np.mean(np.minimum(held, 200.0), axis=1) / 1000.0), kind="stable")
-    best: tuple[Stance, Flags] | None = None
-    for index in order[:CERTIFIED]:
-        if best is not None and count[index] <= best[1].sum():
+        return np.empty((0, 4)), np.empty(0, np.int64)
+    some, full = Judge.of(scene, cell, lattice, every=SOME), Judge.of(scene, cell, lattice)
+    if len(full.places) > 2 * len(some.places):
+        grid = grid[np.sort(_order(*some.surveyed(grid))[:RANKED])]
+    count, room = full.surveyed(grid)
+    order = _order(count, room)
+    return grid[order], count[order]
+
+
+def _order(count: Indices, room: Array) -> Indices:
+    return np.argsort(-(count + room / 1000.0), kind="stable")
+
+
+def find(scene: Scene, cell: Cell, lattice: Lattice) -> Candidate | None:
+    """The stance of the grid that holds most of a cell; None where none holds any."""
+    return first_of(Judge.of(scene, cell, lattice), *ranked(scene, cell, lattice))
+
+
+def first_of(judge: Judge, grid: Array, count: Indices) -> Candidate | None:
+    """Of ranked stances the one certified to hold most; None where none of the first holds any."""
+    best: Candidate | None = None
+    for s, most in zip(grid[:CERTIFIED], count, strict=False):
+        if best is not None and most <= best.held.sum():
             break
-        certified = hold(scene, anchors[index], pull[index], places).good
-        flags = np.zeros(cell.wanted.size, bool)
-        flags[stations[certified]] = True
-        if best is None or flags.sum() > best[1].sum():
-            s, angle = (tuple(float(v) for v in row) for row in (grid[index], clock[index]))
-            best = Stance(s, angle), flags.reshape(cell.wanted.shape)  # pyright: ignore[reportArgumentType]
-    return best if best is not None and best[1].any() else None
+        one = judge.candidate(s)
+        if best is None or one.held.sum() > best.held.sum():
+            best = one
+    return best if best is not None and best.held.any() else None
 
 
 def why_not(scene: Scene, cell: Cell, lattice: Lattice, row: int, station: int) -> str:
     """The limit that binds at a station no candidate holds, for the candidate that comes closest."""
-    grid = candidates(scene, cell)
+    grid = grid_about(scene, cell)
     if not len(grid):
         return "no place for the bases clear of end zones and obstacles"
     k = scene.bay.interior[row]
