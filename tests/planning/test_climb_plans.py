@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from climb_cases import ROBOT, analysed, attacked, changed, random_run
+from climb_cases import ROBOT, analysed, changed, trial
 
 from steeplejack.errors import InputError
 from steeplejack.planning.climb import ClimbPlan, Hold, faults, plan_climb
@@ -20,6 +23,9 @@ from steeplejack.worksite.pipe_builtin import load_pipe
 from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun, with_bends
 
 pytestmark = pytest.mark.long
+
+PUBLISHED = tomllib.loads((Path(__file__).parents[1] / "reference" / "pipe_climber.toml").read_text())
+BENDS = PUBLISHED["bends"]
 
 
 def coarse(run: PipeRun, robot: PipeClimber = ROBOT) -> ClimbPlan:
@@ -52,7 +58,8 @@ def test_straight_climb_is_as_fast_as_its_bound_allows():
     speed = plan.reached_m / plan.duration
     stroke, grips = ROBOT.cylinders.stroke, 4.0 * ROBOT.gripper.close_time
     assert speed >= 0.95 * stroke / (2.0 * stroke / ROBOT.cylinders.speed + grips)
-    assert speed >= 8.07e-3
+    assert 0.95 * PUBLISHED["climbing"]["speed"] <= speed <= PUBLISHED["climbing"]["speed"]
+    assert plan.duration / plan.steps >= PUBLISHED["climbing"]["cycle"]
     assert plan.steps == 20
     np.testing.assert_allclose(strides(plan, Hold.LOWER), 0.05)
 
@@ -76,16 +83,46 @@ def test_a_finer_lattice_is_not_slower():
 
 def test_turning_goes_either_way_in_steps_of_the_linkage():
     run = load_pipe("around")
-    clocks = [phase.clock for phase in coarse(run).phases]
-    assert max(clocks) - min(clocks) > math.radians(30.0)
-    mirrored = replace(
-        run,
-        obstacles=tuple(replace(one, clock=(math.pi - one.clock[1], math.pi - one.clock[0])) for one in run.obstacles),
+    plan = coarse(run)
+    clocks = np.degrees([phase.clock for phase in plan.phases])
+    furthest = int(np.argmax(np.abs(clocks)))
+    assert abs(clocks[furthest]) >= 50.0 and np.ptp(clocks[furthest:]) >= 30.0
+    assert np.abs(np.diff(clocks)).max() <= 30.0 + 1e-4
+    # Turned about the pipe by half a turn, run and robot, it is the same climb.
+    turned = replace(run, start_clock=run.start_clock + math.pi, obstacles=tuple(
+        replace(one, clock=(one.clock[0] + math.pi, one.clock[1] + math.pi)) for one in run.obstacles if one.clock
+    ))  # fmt: skip
+    assert coarse(turned).duration == pytest.approx(plan.duration)
+
+
+def test_a_lug_too_high_to_step_over_is_passed_by_turning():
+    run = load_pipe("clock-obstacle")
+    lug = run.obstacles[0]
+    assert lug.height > ROBOT.gait.clearance and lug.clock is not None
+    plan = coarse(run)
+    assert plan.complete
+    assert faults(plan, run, ROBOT) == []
+    beside = [phase for phase in plan.phases if phase.s_lower < lug.start < phase.s_upper]
+    assert (
+        min(abs(phase.clock + phase.start[3]) for phase in beside)
+        >= 0.5 * (lug.clock[1] - lug.clock[0]) + ROBOT.gait.palm - 1e-9
     )
-    other = [phase.clock for phase in coarse(mirrored).phases]
-    assert faults(coarse(mirrored), mirrored, ROBOT) == []
-    signs = {np.sign(clocks[int(np.argmax(np.abs(clocks)))]), np.sign(other[int(np.argmax(np.abs(other)))])}
-    assert signs == {-1.0, 1.0}
+    straight_on = coarse(replace(run, obstacles=()))
+    assert {phase.clock for phase in straight_on.phases} == {0.0}
+    said = faults(straight_on, run, ROBOT)
+    assert any("palm" in one for one in said) and any("bar" in one for one in said)
+    stiff = changed(ROBOT, "rcm", limit=1e-3)
+    why = refusal(run, stiff)
+    assert "clearance about the pipe" in why and "linkage range" in why
+
+
+def test_limbs_and_linkage_keep_clear_of_what_the_palm_passes():
+    """A fin where limb 1 is, away from the palm: only the bars meet it; as high as they pass, it is no matter."""
+    run = load_pipe("clock-obstacle")
+    stiff = changed(ROBOT, "rcm", limit=1e-3)
+    for height, passes in ((0.020, False), (0.0119, True)):
+        fin = replace(run.obstacles[0], clock=(math.radians(80.0), math.radians(110.0)), height=height)
+        assert coarse(replace(run, obstacles=(fin,)), stiff).complete is passes
 
 
 def step_in_bend(robot: PipeClimber, radius: float, side: int = 0) -> float:
@@ -99,21 +136,38 @@ def step_in_bend(robot: PipeClimber, radius: float, side: int = 0) -> float:
     return float(np.ptp(good)) if len(good) else 0.0
 
 
-@pytest.mark.parametrize(("hz", "step"), [(0.0, 0.0665), (0.06, 0.0104), (0.08, 0.0)])
+@pytest.mark.parametrize(("hz", "step"), BENDS["steps"])
 def test_step_in_the_bend_of_300_mm_is_the_published_one(hz, step):
-    assert step_in_bend(analysed(claw_offset=hz), 0.3) == pytest.approx(step, abs=3e-4)
+    found = step_in_bend(analysed(claw_offset=hz), BENDS["radius"])
+    assert step <= found < step + 1e-3 if step else found == 0.0
 
 
 def test_least_bend_radius_is_the_published_one():
-    assert step_in_bend(analysed(), 0.1470) == 0.0
-    assert step_in_bend(analysed(), 0.1480) > 0.0
-    assert step_in_bend(analysed(), 0.1690) < 0.010 < step_in_bend(analysed(), 0.1700)
+    least, wanted = BENDS["least_radius"], BENDS["least_radius_of_step"]
+    assert step_in_bend(analysed(), least - 1e-3) == 0.0 < step_in_bend(analysed(), least)
+    assert step_in_bend(analysed(), wanted - 1e-3) < BENDS["step"] < step_in_bend(analysed(), wanted)
 
 
 def test_a_bend_is_refused_with_an_offset_claw_and_the_reason_names_it():
     run = load_pipe("bend-300")
-    assert "claw's offset hz of 80 mm" in refusal(run, analysed(claw_offset=0.08))
+    why = refusal(run, analysed(claw_offset=0.08))
+    assert "claw's offset hz of 80 mm" in why
+    enough = re.search(r"reached with hz of (\d+) mm", why)
+    assert enough is not None and 40 <= int(enough[1]) < 80
     assert coarse(run, analysed(claw_offset=0.0)).complete
+
+
+def test_a_bend_to_the_level_is_refused_to_jaws_that_tilt_and_says_so():
+    """With rows of pads 25 mm apart one gripper cannot hold 2 kg beside it: in physics it slips in the bend."""
+    run, short = load_pipe("bend-300"), changed(ROBOT, "build", jaw_length=0.040)
+    why = refusal(run, short)
+    assert "friction of 0.3 with 40 N a jaw" in why and "jaws of" in why
+    plan = coarse(run)
+    assert any("slips or tilts" in fault for fault in faults(plan, run, short))
+
+
+def test_in_the_bend_the_workspace_is_toward_plus_x_alone():
+    assert step_in_bend(analysed(), BENDS["radius"], side=1) == 0.0 < step_in_bend(analysed(), BENDS["radius"])
 
 
 def test_a_bend_toward_minus_x_is_passed_by_turning_first_and_refused_without():
@@ -131,12 +185,13 @@ def test_a_collar_higher_than_the_clearance_is_refused_and_says_how_much_is_need
     run = load_pipe("flange")
     run = replace(run, obstacles=tuple(replace(one, height=0.020) for one in run.obstacles))
     why = refusal(run)
-    assert "clearance of 15 mm" in why and "a clearance of 20 mm" in why
+    assert "clearance about the pipe of 12 mm" in why and "a clearance of 20 mm" in why
 
 
-def test_a_collar_longer_than_a_stride_less_the_jaws_is_refused():
+def test_a_collar_longer_than_a_stride_less_a_row_of_pads_is_refused():
+    """Between its rows a closed jaw bridges it; a row of 15 mm has to come from one side to the other in a stride."""
     run = load_pipe("flange")
-    for length, passes in ((0.0099, True), (0.0102, False)):
+    for length, passes in ((0.0345, True), (0.0352, False)):
         longer = replace(run, obstacles=(PipeObstacle("main", 0.345, 0.345 + length, 0.012, None, "collar"),))
         assert coarse(longer).complete is passes
 
@@ -168,14 +223,10 @@ def test_the_planar_cross_needs_the_mechanisms_whole_reach_and_tilt():
     assert not climb(run, Machine.of(analysed()), (5,)).complete
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(25))
 def test_random_runs_are_climbed_within_limits_or_not_passed_by_sampling(seed):
-    run = random_run(seed)
-    plan = coarse(run)
-    assert faults(plan, run, ROBOT) == []
-    if not plan.complete:
-        far = attacked(run, ROBOT, plan, np.random.default_rng(seed), 100)
-        assert far <= run.start_s + plan.reached_m + 3e-3
+    """500 of them: `python tests/planning/climb_cases.py`."""
+    assert trial(seed, 2000)[1] == []
 
 
 def test_a_replay_sees_what_is_wrong():
@@ -186,7 +237,7 @@ def test_a_replay_sees_what_is_wrong():
     fast = replace(plan, phases=tuple(replace(phase, times=0.5 * phase.times) for phase in plan.phases))
     assert any("m/s" in fault for fault in faults(fast, run, ROBOT))
     assert any("obstacle" in fault for fault in faults(plan, replace(run, obstacles=(
-        PipeObstacle("main", 0.25, 0.26, 0.012, None, "collar"),)), ROBOT))  # fmt: skip
+        PipeObstacle("main", 0.20, 0.30, 0.012, None, "collar"),)), ROBOT))  # fmt: skip
     weak = changed(ROBOT, "cylinders", force=1.0)
     assert any("force" in fault for fault in faults(plan, run, weak))
     assert faults(replace(plan, phases=plan.phases[:-1]), run, ROBOT)

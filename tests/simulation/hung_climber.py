@@ -62,8 +62,32 @@ def strides(count: int, s: float = 0.05, speed: float = ROBOT.cylinders.speed) -
     return ClimbPlan(RUN.name, ROBOT.name, tuple(phases), count * STROKE, True, None)
 
 
+def turns(*angles: float, s: float = 0.05) -> ClimbPlan:
+    """Turning about the pipe in place: the upper gripper by an angle [rad], then the lower one after it."""
+    grip, phases, clock = ROBOT.gripper.close_time, list[Phase](), 0.0
+    for angle in angles:
+        times, way = travel(abs(angle), ROBOT.gait.turn_speed)
+        upper, way = s + 0.16, np.sign(angle) * way
+        still, turned = (0.0, 0.16, 0.0, 0.0), (0.0, 0.16, 0.0, angle)
+        there, back = (np.column_stack([0.0 * way, 0.0 * way + 0.16, 0.0 * way, at]) for at in (way, angle - way))
+        phases += [
+            Phase("release-upper", Hold.LOWER, grip, still, still, s, upper, clock, ""),
+            Phase("move", Hold.LOWER, times[-1], still, turned, s, upper, clock, "", times, there),
+            Phase("grip-upper", Hold.LOWER, grip, turned, turned, s, upper, clock, ""),
+            Phase("release-lower", Hold.UPPER, grip, turned, turned, s, upper, clock, ""),
+            Phase("move", Hold.UPPER, times[-1], turned, still, s, upper, clock, "", times, back),
+            Phase("grip-lower", Hold.UPPER, grip, still, still, s, upper, clock + angle, ""),
+        ]
+        clock += angle
+    return ClimbPlan(RUN.name, ROBOT.name, tuple(phases), 0.0, True, None)
+
+
 def started(plan: ClimbPlan, mu: float = 0.3) -> tuple[ClimbRun, ClimberPlant, Watch]:
     """A run that has not begun, its plant, and what watches it."""
     plant = ClimbSession(plan, RUN, ROBOT, LAYOUT, (mu, mu)).plant()
     watch = Watch(plant, RUN, None)
     return ClimbRun(plan, RUN, ROBOT, LAYOUT, plant, watch), plant, watch
+
+
+def nothing(_time: float) -> None:
+    """No progress to show."""

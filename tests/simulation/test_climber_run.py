@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hung_climber import LAYOUT, ROBOT, RUN, started, strides
+from hung_climber import GRAVITY, LAYOUT, LOW, ROBOT, RUN, STROKE, nothing, started, strides, turns
 
-from steeplejack.control.climber import TRANSITIONS, Act, ClimberController, Measurement, Outcome, Reference, closed_in
+from steeplejack.control.climber import holding_forces
 from steeplejack.errors import SteeplejackError
 from steeplejack.report.climb import is_climb, read_climb, write_climb_report
 from steeplejack.simulation.climber import run as runs
@@ -17,20 +18,18 @@ from steeplejack.simulation.climber.session import ClimbSession
 
 pytestmark = pytest.mark.long
 
-
-def nothing(_time: float) -> None:
-    """No progress to show."""
+BOUND = tomllib.loads((Path(__file__).parents[1] / "reference" / "pipe_climber.toml").read_text())["climbing"]["speed"]
 
 
 def test_straight_up_at_the_declared_speed_without_slip() -> None:
-    """50 mm steps at 17 mm/s: at least 8.07 mm/s, poses within 1 mm and 0.5 degrees where grippers close."""
+    """50 mm steps at 17 mm/s: 95 % of the bound, poses within 1 mm and 0.5 degrees where grippers close."""
     course, plant, watch = started(strides(1))
     before = plant.truth()
     end = course.run(nothing)
     assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
     rise = plant.truth().lower[2, 3] - before.lower[2, 3]
     assert rise == pytest.approx(0.050, abs=5e-4)
-    assert 1e3 * rise / end.duration_s >= 8.07
+    assert 0.95 * BOUND <= rise / end.duration_s <= BOUND
     assert end.travelled_m == pytest.approx(rise, abs=1e-4)
     closed = [grip for grip in watch.grips if grip.phase > 0]
     assert [grip.gripper for grip in closed] == ["upper", "lower"]
@@ -40,6 +39,33 @@ def test_straight_up_at_the_declared_speed_without_slip() -> None:
     assert max(max(sample.slip_m) for sample in watch.samples) < 2e-4
     assert max(max(map(abs, sample.speeds_m_s)) for sample in watch.samples) < 1.05 * ROBOT.cylinders.speed
     assert min(one for sample in watch.samples for one in sample.margin if one is not None) > 0.0
+
+
+@pytest.mark.parametrize("angles", [(math.pi / 6, math.pi / 6), (-math.pi / 6, -math.pi / 6)])
+def test_turning_about_the_pipe_in_steps_of_30_degrees(angles: tuple[float, float]) -> None:
+    """Both directions: poses within 1 mm and 0.5 degrees where grippers close, the robot where it should be."""
+    course, plant, watch = started(turns(*angles))
+    end = course.run(nothing)
+    assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
+    closed = [grip for grip in watch.grips if grip.phase > 0]
+    assert [grip.gripper for grip in closed] == ["upper", "lower"] * 2
+    assert max(grip.error_m for grip in closed) < 1e-3
+    assert max(grip.error_rad for grip in closed) < math.radians(0.5)
+    lower = plant.truth().lower
+    assert math.atan2(lower[1, 0], lower[0, 0]) == pytest.approx(sum(angles), abs=math.radians(0.5))
+    assert abs(lower[2, 3] - 0.05) < 1e-3
+
+
+def test_the_load_is_handed_over_before_a_gripper_opens() -> None:
+    """Nothing swings when one lets go: forces of the cylinders stay within what either gripper alone makes them."""
+    course, plant, watch = started(strides(1))
+    course.run(nothing)
+    pose = np.array([0.0, LOW + STROKE, 0.0, 0.0])
+    alone = np.abs(holding_forces(ROBOT, LAYOUT, pose, GRAVITY)).max()
+    opening = [np.abs(sample.forces_n).max() for sample in watch.samples if sample.act in ("shift the load", "open")]
+    assert len(opening) >= 4
+    assert max(opening) < 1.25 * alone
+    assert min(one for sample in watch.samples for one in sample.margin if one is not None) > 0.1
 
 
 def test_grippers_that_cannot_hold_end_the_climb_safely() -> None:
@@ -82,58 +108,9 @@ def test_control_and_physics_steps_must_divide(monkeypatch: pytest.MonkeyPatch) 
         started(strides(1))
 
 
-def test_no_act_opens_both_grippers_and_every_act_ends() -> None:
-    """Every act with everything a phase can want, and every way through the table."""
-    wanted = {Act.MOVE: [(True, False), (False, True)], Act.CLOSE: [(True, True)]}
-    for act in Act:
-        for phase in wanted.get(act, [(True, False), (False, True), (True, True)]):
-            for slipped in (0, 1):
-                assert any(closed_in(act, phase, slipped))
-    running = [act for act in Act if act not in (Act.DONE, Act.STOPPED)]
-    for act in running:
-        assert TRANSITIONS[act, Outcome.FAILED] is Act.STOPPED
-        assert (act, Outcome.REACHED) in TRANSITIONS
-    assert {act for act, _ in TRANSITIONS} == set(running)
-
-
-def _measured(**changes: object) -> Measurement:
-    values = {
-        "lengths": np.full(3, 0.18), "forces": np.zeros(3), "beta": 0.0, "jaws": np.full(2, 0.0316),
-        "grip": np.full(2, 40.0), "passed": np.zeros((2, 2)),
-    }  # fmt: skip
-    return Measurement(**{**values, **changes})  # pyright: ignore[reportArgumentType]
-
-
-def test_the_controller_counts_a_grip_by_its_force_and_sees_it_slip() -> None:
-    controller = ClimberController(ROBOT)
-    hold = Reference(np.full(3, 0.18), np.zeros(3), 0.0, 0.0, np.array([True, False]), np.full(2, 0.03))
-    weak = _measured(grip=np.array([30.0, 0.0]))
-    state, _, status = controller.step(controller.begin(weak), hold, weak, 4e-3)
-    assert not status.held.any()
-    firm = _measured()
-    state, command, status = controller.step(state, hold, firm, 4e-3)
-    assert status.held.tolist() == [True, False] and not status.slipping.any()
-    passed = _measured(passed=np.array([[-6e-4, 0.0], [0.0, 0.0]]))
-    _, _, status = controller.step(state, hold, passed, 4e-3)
-    assert status.slipping.tolist() == [True, False]
-    assert np.abs(command.speeds).max() < 1e-12
-
-
-def test_the_controller_keeps_the_cylinders_speed_and_stops_on_nonsense() -> None:
-    controller = ClimberController(ROBOT)
-    far = Reference(np.full(3, 0.20), np.full(3, 0.017), 0.0, 0.0, np.array([True, False]), np.full(2, 0.03))
-    measured = _measured()
-    _, command, status = controller.step(controller.begin(measured), far, measured, 4e-3)
-    assert np.abs(command.speeds).max() == pytest.approx(ROBOT.cylinders.speed)
-    assert status.lost
-    broken = _measured(lengths=np.array([np.nan, 0.18, 0.18]))
-    _, command, status = controller.step(controller.begin(measured), far, broken, 4e-3)
-    assert not status.readable and command.closed.all() and not command.speeds.any()
-
-
 def test_the_log_alone_gives_the_report(tmp_path: Path) -> None:
     log, page = tmp_path / "climb.mcap", tmp_path / "climb.html"
-    end = ClimbSession(strides(1), RUN, ROBOT, LAYOUT, (0.3, 0.3)).simulate(log, False, nothing)
+    end = ClimbSession(strides(1), RUN, ROBOT, LAYOUT, (0.3, 0.3)).simulate(log, False, False, nothing)
     assert is_climb(log)
     summary = write_climb_report(log, page)
     assert summary.steps == 1 and summary.collisions == 0

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from hung_climber import GRAVITY, LAYOUT, ROBOT, hung
 
-from steeplejack.control.climber import Command
+from steeplejack.control.climber import Command, holding_forces
 from steeplejack.control.climber.jaws import open_place
 from steeplejack.planning.climb.plan import Pose
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.inverse import limb_vectors
 from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.statics import actuator_forces
-from steeplejack.simulation.climber.scene import BODY_SHARE, linkage_mass
+from steeplejack.robots.pipe_climber.weights import BODY_SHARE, linkage_mass
 
 TILTED: Pose = (0.015, 0.175, 0.12, 0.2)
 
@@ -94,7 +94,7 @@ def _wrench(pose: np.ndarray) -> np.ndarray:
     return -np.array([(_weight(pose + step) - _weight(pose - step)) / 2e-6 for step in steps])
 
 
-@pytest.mark.parametrize("pose", [(0.0, 0.16, 0.0), (0.0, 0.195, 0.0), TILTED[:3], (-0.02, 0.16, -0.15)])
+@pytest.mark.parametrize("pose", [(0.0, 0.16, 0.0), (0.0, 0.195, 0.0), TILTED[:3], (-0.02, 0.18, -0.15)])
 def test_forces_at_slow_speed_are_those_of_the_static_jacobian(pose: tuple[float, float, float]) -> None:
     """The platform is moved at 2 mm/s with the lower gripper on the pipe; J^T f balances the weight within 5 %."""
     plant = hung((True, False), (*pose, 0.0), mu=1.0, top=0.03)
@@ -131,3 +131,15 @@ def test_a_cylinder_gives_no_more_than_its_force() -> None:
     plant.apply(Command(np.full(3, ROBOT.cylinders.speed), 0.0, np.array([True, True]), opening))
     plant.advance(400)  # pushes against two closed grippers
     assert plant.strongest() <= ROBOT.cylinders.force * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("end", [0, 1])
+@pytest.mark.parametrize("w", [0.16, 0.19])
+def test_either_gripper_alone_makes_the_forces_that_are_handed_over(end: int, w: float) -> None:
+    """At 2 mm/s, one gripper on the pipe and the other open about it: `control.climber.load` within 5 %."""
+    closed = np.array([end == 0, end == 1])
+    plant, opening = hung((end == 0, end == 1), (0.0, w, 0.0, 0.0), mu=1.0), np.full(2, open_place(ROBOT, 0.03))
+    plant.apply(Command(jacobian(LAYOUT, (0.0, w, 0.0))[:, 1] * 2e-3, 0.0, closed, opening))
+    plant.advance(800)
+    expected = holding_forces(ROBOT, LAYOUT, np.array([0.0, w + 8e-4, 0.0, 0.0]), GRAVITY)[end]
+    assert np.abs(plant.truth().forces - expected).max() < 0.05 * np.abs(expected).max()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,7 +28,9 @@ def climb(
     mu: Annotated[
         float | None, typer.Option(help="Friction of the grippers' pads.", show_default="the robot file's")
     ] = None,
+    payload_kg: Annotated[float, typer.Option(help="Carried by the upper gripper.")] = 0.0,
     pictures: Annotated[bool, typer.Option(help="Render a film strip into the log.")] = True,
+    video: Annotated[bool, typer.Option("--video", help="Render a film too: climb.webp, and in the report.")] = False,
     out: Out = Path("out"),
     json: Json = False,
 ) -> None:
@@ -37,15 +40,17 @@ def climb(
 
     machine, run = load_pipe_climber(robot), load_pipe(pipe)
     friction = _friction(mu, machine.gripper.friction)
+    if not 0.0 <= payload_kg < math.inf:
+        raise InputError("--payload-kg", f"{payload_kg:g}", "a finite mass of at least 0")
     target(out)
     say(f"{run.name}: {run.description}")
     with bar("plan", None):
-        plan = plan_climb(run, machine)
+        plan = plan_climb(run, machine, payload_kg)
     say(f"{plan.steps} steps, {plan.reached_m:.3f} m, {plan.duration:.0f} s planned")
     if not plan.complete:
         raise InfeasibleError(f"climbing {run.name} to its goal", plan.blocked or "the goal is out of reach")
-    session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction))
-    end, answer = _climbed(session, pictures, out)
+    session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction), payload_kg)
+    end, answer = _climbed(session, pictures, video, out)
     emit(answer) if json else show_summary(answer)
     if end.why:
         how = "hanging safely with both grippers closed" if end.safe else "not at rest"
@@ -60,17 +65,24 @@ def _friction(asked: float | None, declared: float) -> float:
     return friction
 
 
-def _climbed(session: ClimbSession, pictures: bool, out: Path) -> tuple[EndRecord, dict[str, Any]]:
+def _climbed(session: ClimbSession, pictures: bool, video: bool, out: Path) -> tuple[EndRecord, dict[str, Any]]:
     """Run it, report it; how it ended, and the answer of the command."""
-    from steeplejack.report.climb import write_climb_report
+    from steeplejack.report.climb import film_of, write_climb_report
 
     out.mkdir(parents=True, exist_ok=True)
     log, page = out / "climb.mcap", out / "climb.html"
     with bar("simulate", session.plan.duration) as step, writing(log), stoppable() as asked_to_stop:
-        end = session.simulate(log, pictures, step, asked_to_stop)
+        end = session.simulate(log, pictures, video, step, asked_to_stop)
     with bar("report", None), writing(page):
         summary = write_climb_report(log, page)
-    return end, msgspec.to_builtins(summary) | {"log": str(log), "report": str(page)}
+    answer = msgspec.to_builtins(summary) | {"log": str(log), "report": str(page)}
+    film = film_of(log) if video else None
+    if film is not None:
+        path = out / "climb.webp"
+        with writing(path):
+            path.write_bytes(film)
+        answer["video"] = str(path)
+    return end, answer
 
 
 def show_summary(answer: dict[str, Any]) -> None:
@@ -83,6 +95,6 @@ def show_summary(answer: dict[str, Any]) -> None:
         "collisions": answer["collisions"],
         "log": answer["log"],
         "report": answer["report"],
-    }
+    } | {name: answer[name] for name in ("video",) if name in answer}
     for name, value in rows.items():
         print(f"{name:<24}{value}")

@@ -1,8 +1,8 @@
 """What a climb leaves in its log: run, robot, plan, samples, grips. One MCAP file, as `runtime.recorder` writes it.
 
 Topics: ``/run``, ``/robot``, ``/plan`` once at the start and ``/end`` at the end, ``/climb`` fifty times a second,
-``/grip`` whenever a gripper has closed, ``/event`` when something happens, ``/camera`` pictures. Lower gripper first,
-then upper.
+``/grip`` whenever a gripper has closed, ``/event`` when something happens, ``/camera`` pictures, ``/film`` an animated
+one at the end if asked for. Lower gripper first, then upper.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class SolidRecord(msgspec.Struct, frozen=True):
 
 
 class RunRecord(msgspec.Struct, frozen=True):
-    """What was climbed, and on what grips."""
+    """What was climbed, on what grips, and with what on the upper gripper."""
 
     name: str
     description: str
@@ -53,6 +53,7 @@ class RunRecord(msgspec.Struct, frozen=True):
     friction: Pair
     solids: tuple[SolidRecord, ...]
     version: str
+    payload_kg: float = 0.0
 
 
 class PhaseRecord(msgspec.Struct, frozen=True):

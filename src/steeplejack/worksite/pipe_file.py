@@ -52,10 +52,18 @@ import msgspec
 
 from steeplejack.errors import InputError
 
-Positive = Annotated[float, msgspec.Meta(gt=0.0)]
-NonNegative = Annotated[float, msgspec.Meta(ge=0.0)]
-Text = Annotated[str, msgspec.Meta(min_length=1)]
-Point = tuple[float, float, float]
+Length = Annotated[float, msgspec.Meta(ge=1e-4, le=1e6)]
+"""Of something that is there [m]; what is too long for a run is said with its own words."""
+Size = Annotated[float, msgspec.Meta(ge=1e-4, le=10.0)]
+"""Diameters and heights [m]."""
+NonNegative = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
+Degrees = Annotated[float, msgspec.Meta(ge=-3600.0, le=3600.0)]
+Text = Annotated[str, msgspec.Meta(min_length=1, max_length=500)]
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f\x7f]+$")]
+"""On one line, so that messages are."""
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Acceleration = Annotated[float, msgspec.Meta(ge=-100.0, le=100.0)]
 MAIN = "main"
 
 
@@ -64,23 +72,23 @@ class StraightPart(
 ):
     """A straight length of pipe."""
 
-    length: Positive
-    diameter: Positive | None = None
+    length: Length
+    diameter: Size | None = None
 
 
 class BendPart(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="kind", tag="bend"):
     """A bend of constant radius in a plane."""
 
-    radius: Positive
-    angle_deg: Annotated[float, msgspec.Meta(gt=0.0, le=180.0)]
-    toward_deg: float = 0.0
-    diameter: Positive | None = None
+    radius: Length
+    angle_deg: Annotated[float, msgspec.Meta(ge=0.1, le=180.0)]
+    toward_deg: Degrees = 0.0
+    diameter: Size | None = None
 
 
 class MainEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The pipe the robot begins on."""
 
-    diameter: Positive
+    diameter: Size
     parts: Annotated[tuple[StraightPart | BendPart, ...], msgspec.Meta(min_length=1, max_length=200)]
     point: Point = (0.0, 0.0, 0.0)
     direction: Point = (0.0, 0.0, 1.0)
@@ -90,51 +98,51 @@ class MainEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 class ObstacleEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Something standing on a pipe, between two places along it."""
 
-    start: float
-    end: float
-    height: Positive
+    start: Coordinate
+    end: Coordinate
+    height: Size
     note: Text
-    pipe: Text = MAIN
-    clock_deg: tuple[float, float] | None = None
+    pipe: Name = MAIN
+    clock_deg: tuple[Degrees, Degrees] | None = None
 
 
 class CrossingEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A straight pipe whose axis meets that of the main pipe."""
 
-    name: Text
+    name: Name
     at: NonNegative
-    angle_deg: Annotated[float, msgspec.Meta(gt=0.0, lt=180.0)]
-    diameter: Positive
-    after: Positive
+    angle_deg: Annotated[float, msgspec.Meta(ge=5.0, le=175.0)]
+    diameter: Size
+    after: Length
     before: NonNegative = 0.0
-    toward_deg: float = 0.0
+    toward_deg: Degrees = 0.0
 
 
 class StartEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the lower gripper begins, on the main pipe."""
 
     s: NonNegative
-    clock_deg: float = 0.0
+    clock_deg: Degrees = 0.0
 
 
 class GoalEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Where the lower gripper has to come."""
 
-    s: float
-    pipe: Text = MAIN
+    s: Coordinate
+    pipe: Name = MAIN
 
 
 class PipeFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True, tag_field="kind", tag="pipes"):
     """The file as it is written."""
 
-    name: Text
+    name: Name
     description: Text
     source: Text
     start: StartEntry
     goal: GoalEntry
     main: MainEntry
     notes: tuple[Text, ...] = ()
-    gravity: Point = (0.0, 0.0, -9.81)
+    gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, 0.0, -9.81)
     obstacles: Annotated[tuple[ObstacleEntry, ...], msgspec.Meta(max_length=200)] = ()
     crossings: Annotated[tuple[CrossingEntry, ...], msgspec.Meta(max_length=20)] = ()
 

@@ -16,6 +16,7 @@ from steeplejack.worksite.pipe_file import (
     MainEntry,
     ObstacleEntry,
     PipeFile,
+    Point,
     StartEntry,
     StraightPart,
 )
@@ -39,7 +40,7 @@ def random_pipes(rng: np.random.Generator, name: str = "random") -> PipeFile:
     parts: list[StraightPart | BendPart] = [StraightPart(length=_drawn(rng, 0.30, 0.50))]
     for _ in range(int(rng.integers(0, 3))):
         if rng.random() < 0.6:
-            toward = 30.0 * float(rng.integers(0, 12))
+            toward = 180.0 * float(rng.integers(0, 2)) if rng.random() < 0.7 else 30.0 * float(rng.integers(0, 12))
             angle, radius = _drawn(rng, 20.0, 90.0), _drawn(rng, 0.25, 0.80)
             parts.append(BendPart(radius=radius, angle_deg=angle, toward_deg=toward))
         diameter = float(rng.choice([0.050, 0.060, 0.070, 0.086])) if rng.random() < 0.15 else None
@@ -48,15 +49,17 @@ def random_pipes(rng: np.random.Generator, name: str = "random") -> PipeFile:
     length = sum(
         one.length if isinstance(one, StraightPart) else one.radius * math.radians(one.angle_deg) for one in parts
     )
+    direction, x_axis = _direction(rng)
+    start = 180.0 * float(rng.integers(0, 2)) if rng.random() < 0.8 else 30.0 * float(rng.integers(0, 12))
     first = parts[0]
     crossings = (_crossing(rng, first.length),) if isinstance(first, StraightPart) and rng.random() < 0.1 else ()
     return PipeFile(
         name=name,
         description="a run of pipes drawn at random",
         source="generated",
-        start=StartEntry(s=START, clock_deg=30.0 * float(rng.integers(0, 12))),
+        start=StartEntry(s=START, clock_deg=start),
         goal=GoalEntry(s=round(length - BEYOND, 4)),
-        main=MainEntry(diameter=0.060, parts=tuple(parts), direction=_direction(rng)),
+        main=MainEntry(diameter=0.060, parts=tuple(parts), direction=direction, x_axis=x_axis),
         obstacles=tuple(_obstacle(rng, length) for _ in range(int(rng.integers(0, 3)))),
         crossings=crossings,
     )
@@ -66,19 +69,21 @@ def _drawn(rng: np.random.Generator, low: float, high: float) -> float:
     return round(float(rng.uniform(low, high)), 4)
 
 
-def _direction(rng: np.random.Generator) -> tuple[float, float, float]:
-    """A direction anywhere."""
-    x, y, z = rng.normal(size=3).round(4).tolist()
-    return (x, y, z) if abs(x) + abs(y) + abs(z) > 0.1 else (0.0, 0.0, 1.0)
+def _direction(rng: np.random.Generator) -> tuple[Point, Point]:
+    """A direction that leans by any angle from straight up, more often by little, and the sky's for clock 0."""
+    lean, around = math.radians(90.0) * float(rng.random()) ** 2, 2.0 * math.pi * float(rng.random())
+    aside, up = math.sin(lean), math.cos(lean)
+    direction = (round(aside * math.cos(around), 4), round(aside * math.sin(around), 4), round(up, 4))
+    return direction, (0.0, 0.0, 1.0) if aside > 0.01 else (1.0, 0.0, 0.0)
 
 
 def _obstacle(rng: np.random.Generator, length: float) -> ObstacleEntry:
-    """A collar or a lug, from below to above what a palm passes over and a stride steps over."""
+    """A collar or a lug, from below to above what palm, jaws and limbs pass over."""
     start = _drawn(rng, START + 0.2, length - BEYOND)
     first = 10.0 * float(rng.integers(-18, 18))
-    clock = None if rng.random() < 0.3 else (first, first + _drawn(rng, 20.0, 300.0))
+    clock = None if rng.random() < 0.3 else (first, first + _drawn(rng, 10.0, 120.0))
     return ObstacleEntry(
-        start=start, end=round(start + _drawn(rng, 0.002, 0.012), 4), height=_drawn(rng, 0.005, 0.040), clock_deg=clock,
+        start=start, end=round(start + _drawn(rng, 0.002, 0.012), 4), height=_drawn(rng, 0.004, 0.024), clock_deg=clock,
         note="drawn at random",
     )  # fmt: skip
 

@@ -100,6 +100,31 @@ class Pipe:
             points[mine], frames[mine] = self.parts[index].at(flat[mine])
         return points.reshape(*places.shape, 3), frames.reshape(*places.shape, 3, 3)
 
+    def chord(self, s: ArrayLike, half: float) -> tuple[Array, Array]:
+        """Where something sits that touches the pipe at two places, a distance to either side of its middle.
+
+        Args:
+            s: Of its middle along the pipe, (...) [m].
+            half: From there to either place along the pipe [m]; 0 for the centre line itself.
+
+        Returns:
+            Points (..., 3) halfway between the two points of the centre line [m]; frames (..., 3, 3), those of the
+            centre line at s turned by the least angle that brings z into the chord.
+        """
+        places = np.asarray(s, dtype=np.float64)
+        points, frames = self.centre_line(places)
+        if half <= 0.0:
+            return points, frames
+        first, last = self.centre_line(places - half)[0], self.centre_line(places + half)[0]
+        along = last - first
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        z = frames[..., 2]
+        axis, cosine = np.cross(z, along), (z * along).sum(axis=-1)[..., None, None]
+        sideways = np.cross(axis[..., None, :], np.swapaxes(frames, -1, -2))  # of x, y and z as rows
+        twice = np.cross(axis[..., None, :], sideways)
+        turned = np.swapaxes(frames, -1, -2) + sideways + twice / (1.0 + cosine)
+        return 0.5 * (first + last), np.swapaxes(turned, -1, -2)
+
     def radius(self, s: ArrayLike) -> Array:
         """Of the pipe's outside at places along it (...) [m]."""
         radii = np.array([0.5 * part.diameter for part in self.parts])

@@ -1,10 +1,12 @@
 """The pipe climber under control: references followed, grips verified, slips seen."""
 
 from steeplejack.control.climber.controller import ClimberController, State, Status
-from steeplejack.control.climber.gait import TRANSITIONS, Act, Outcome, closed_in
+from steeplejack.control.climber.gait import FIRST, TRANSITIONS, Act, Outcome, closed_in, taken_up
+from steeplejack.control.climber.load import holding_forces
 from steeplejack.control.climber.signals import Command, Measurement, Plant, Reference
 
 __all__ = [
+    "FIRST",
     "TRANSITIONS",
     "Act",
     "ClimberController",
@@ -16,4 +18,6 @@ __all__ = [
     "State",
     "Status",
     "closed_in",
+    "holding_forces",
+    "taken_up",
 ]

@@ -2,8 +2,9 @@
 
 A cylinder is told the reference's speed and what closes its length's error, ``v = v_ref + g (q_ref - q)``, within its
 own. With both grippers on the pipe the mechanism is over-determined; cylinders then do not fight the pipe but give way
-to what its grips add to the forces they had before, ``v = -y (f - f0)``. A grip counts once its jaws press with their
-force; from then on the pipe may not pass through it.
+to what its grips add to the forces they should have, ``v = -y (f - f0)``: those they had before a gripper closed, and
+before one opens those they will have when the other one bears the robot alone. A grip counts once its jaws press with
+their force; from then on the pipe may not pass through it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from steeplejack.robots.pipe_climber import PipeClimber
 
 GAIN = 25.0  # [1/s] of the lengths
 TURN_GAIN = 8.0  # [1/s] of the linkage, whose servo counts coarsely
-YIELD = 2e-4  # [m/s/N] of a cylinder between two closed grippers
+YIELD = 4e-4  # [m/s/N] of a cylinder between two closed grippers
 HELD = 0.95  # share of its force with which a gripper counts as closed [1]
 SLIP = 5e-4  # [m] the pipe may pass through a closed gripper: pads give, and take up load, by less
 LAG = 5e-3  # [m] a cylinder may lag behind
@@ -50,6 +51,8 @@ class Status:
         slipping: Whether that is too far (2,).
         open: Grippers that stand clear of the pipe (2,).
         lag: Largest error of a limb's length [m].
+        turn_lag: Error of the linkage's turn [rad].
+        burden: By how much a cylinder's force misses what it should be [N]; 0 where it keeps to its length.
         lost: Whether a cylinder does not follow.
         readable: Whether the sensors gave numbers; if not, nothing else here is new.
     """
@@ -59,6 +62,8 @@ class Status:
     slipping: NDArray[np.bool_]
     open: Flags
     lag: float
+    turn_lag: float
+    burden: float
     lost: bool
     readable: bool
 
@@ -95,18 +100,22 @@ class ClimberController:
         if not measured.readable:
             nothing = np.zeros(2, bool)
             stop = Command(np.zeros(3), 0.0, np.ones(2, bool), opening)
-            return state, stop, Status(nothing, np.zeros(2), nothing, nothing, np.inf, True, False)
+            return state, stop, Status(nothing, np.zeros(2), nothing, nothing, np.inf, np.inf, np.inf, True, False)
         error = reference.lengths - measured.lengths
         braced = bool(reference.closed.all())
+        giving = braced or reference.load is not None
         after, slip = self._grips(state, reference.closed, measured, state.load if braced else measured.forces)
         most, turn = self._robot.cylinders.speed, 0.0
-        speeds = np.clip(YIELD * (after.load - measured.forces), -most, most)
-        if not braced:
+        missing = (after.load if reference.load is None else reference.load) - measured.forces
+        speeds, burden = np.clip(YIELD * missing, -most, most), float(np.abs(missing).max())
+        if not giving:
+            burden = 0.0
             speeds = np.clip(reference.rates + min(GAIN, 0.5 / dt) * error, -most, most)
             turn = reference.beta_rate + min(TURN_GAIN, 0.5 / dt) * (reference.beta - measured.beta)
-        lag = float(np.abs(error).max())
+        lag, turn_lag = float(np.abs(error).max()), abs(reference.beta - measured.beta)
         apart = measured.jaws >= opening - 0.2 * self._robot.build.jaw_clearance
-        status = Status(after.held, slip, slip > SLIP, apart, lag, lag > LAG and not braced, True)
+        lost = lag > LAG and not giving
+        status = Status(after.held, slip, slip > SLIP, apart, lag, turn_lag, burden, lost, True)
         return after, Command(speeds, turn, reference.closed, opening), status
 
     def _grips(self, state: State, closed: Flags, measured: Measurement, load: Array) -> tuple[State, Array]:

@@ -23,6 +23,8 @@ class Reference:
         beta_rate: Its rate [rad/s].
         closed: Grippers that should hold (2,).
         radius: Of the pipe where each gripper stands, or goes to: what an open jaw clears (2,) [m].
+        load: What the cylinders should push with, wherever they are, (3,) [N]; if None they keep to the lengths, or
+            while both grippers should hold to what they pushed with before.
     """
 
     lengths: Array
@@ -31,6 +33,7 @@ class Reference:
     beta_rate: float
     closed: Flags
     radius: Array
+    load: Array | None = None
 
 
 @dataclass(frozen=True)

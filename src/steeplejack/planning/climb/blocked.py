@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 
 from steeplejack.errors import SteeplejackError
-from steeplejack.planning.climb.lattice import deciding_limits, wanted_clocks
+from steeplejack.planning.climb.lattice import build_lattice, deciding_limits, wanted_clocks
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import trouble
 from steeplejack.planning.climb.planner import Found, climb
@@ -151,7 +151,7 @@ def _single(run: PipeRun, robot: PipeClimber, payload: float) -> list[Relaxation
     """Relaxations of one limit each that can matter to a run, those of the site last."""
     machine = Machine.of(robot, payload)
     gap = max(machine.straight_gaps[1] - machine.straight_gaps[0], 0.01)
-    decide = deciding_limits(run, machine, gap / COARSE[0])
+    decide, slips = deciding_limits(run, machine, gap / COARSE[0]), _slips(run, machine, gap / COARSE[0])
     turning = len(wanted_clocks(run, machine)) > 1
     bends = any(not part.straight for pipe in run.pipes for part in pipe.parts)
     standing = bool(run.obstacles or run.crossings)
@@ -160,14 +160,15 @@ def _single(run: PipeRun, robot: PipeClimber, payload: float) -> list[Relaxation
     length = bool(decide & {"shortest", "longest"})
     choices = [
         (bool(robot.linkage.claw_offset), _claw_offset(run, robot)),
-        (standing or wide != robot.gripper.pipe_diameter, _clearance(run, robot)),
+        (standing or wide != robot.gripper.pipe_diameter, _clearance(run, machine)),
         (length, _longer_stroke(run, robot)),
         ("tilt" in decide, _tilt(run, robot)),
         (turning, _linkage(run, robot)),
         (standing or len(set(sizes)) > 1, _jaws(run, robot)),
         (wide != robot.gripper.pipe_diameter, _diameters(run, robot, wide)),
         ("force" in decide, _force(run, robot)),
-        (_slips(run, machine), _friction(run, robot)),
+        (slips, _friction(run, robot)),
+        (slips, _long_jaws(run, robot)),
         (length, _size(run, robot)),
         (True, _pipe_end(run, robot)),
         (bends, _bends(run, robot)),
@@ -175,13 +176,10 @@ def _single(run: PipeRun, robot: PipeClimber, payload: float) -> list[Relaxation
     return [relaxation for matters, relaxation in choices if matters]
 
 
-def _slips(run: PipeRun, machine: Machine) -> bool:
-    """Whether friction is short anywhere."""
-    for pipe in run.pipes:
-        places = np.array([0.5 * (part.start + part.end) for part in pipe.parts] + [part.start for part in pipe.parts])
-        if dict(trouble(run, machine, pipe, places))["friction"].any():
-            return True
-    return False
+def _slips(run: PipeRun, machine: Machine, step: float) -> bool:
+    """Whether a grip does not bear the robot in some pose that is else allowed."""
+    uses = build_lattice(run, machine, step).uses
+    return bool((np.isfinite(uses) & (uses > 1.0)).any())
 
 
 def _claw_offset(run: PipeRun, robot: PipeClimber) -> Relaxation:
@@ -193,12 +191,28 @@ def _claw_offset(run: PipeRun, robot: PipeClimber) -> Relaxation:
     )
 
 
-def _clearance(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    least = robot.gait.clearance
-    most = max([one.height for one in run.obstacles] + [2.0 * least]) * (1.0 + 1e-6)
+def _clearance(run: PipeRun, machine: Machine) -> Relaxation:
+    """Room about the pipe: under the palm, under closed jaws, and within limbs and linkage."""
+    robot = machine.robot
+    thick = max(0.5 * part.diameter for pipe in run.pipes for part in pipe.parts)
+    room = machine.lowest_bar - thick
+    least = min(robot.gait.clearance, robot.gait.relief, room)
+    most = max([one.height for one in run.obstacles] + [2.0 * robot.gait.clearance]) * (1.0 + 1e-6)
+
+    def roomy(share: float) -> Problem:
+        wanted = _between(least, most, share)
+        more = max(0.0, wanted - room) / math.cos(min(robot.rcm.limit, math.radians(60.0)))
+        linkage, rcm = robot.linkage, robot.rcm
+        wide = _changed(robot, "linkage", half_width=linkage.half_width + more)
+        wide = _changed(wide, "rcm", crank=rcm.crank + more, coupler=rcm.coupler + 2.0 * more)
+        gait = robot.gait
+        return run, _changed(
+            wide, "gait", clearance=max(gait.clearance, wanted), relief=max(gait.relief, wanted)
+        )  # fmt: skip
+
     return Relaxation(
-        f"grippers' clearance of {1e3 * least:.0f} mm",
-        lambda k: (run, _changed(robot, "gait", clearance=_between(least, most, k))),
+        f"clearance about the pipe of {1e3 * least:.0f} mm",
+        roomy,
         lambda k: f"a clearance of {1e3 * _between(least, most, k):.0f} mm",
     )
 
@@ -265,6 +279,15 @@ def _friction(run: PipeRun, robot: PipeClimber) -> Relaxation:
         f"friction of {friction:g} with {robot.gripper.force:.0f} N a jaw",
         lambda k: (run, _changed(robot, "gripper", friction=_between(friction, 10.0 * friction, k))),
         lambda k: f"friction of {_between(friction, 10.0 * friction, k):.2f}",
+    )
+
+
+def _long_jaws(run: PipeRun, robot: PipeClimber) -> Relaxation:
+    jaw = robot.build.jaw_length
+    return Relaxation(
+        f"jaws' length of {1e3 * jaw:.0f} mm against tilting",
+        lambda k: (run, _changed(robot, "build", jaw_length=_between(jaw, 2.0 * jaw, k))),
+        lambda k: f"jaws of {1e3 * _between(jaw, 2.0 * jaw, k):.0f} mm",
     )
 
 

@@ -10,7 +10,7 @@ at too.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,10 +18,13 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from steeplejack.errors import InputError
+from steeplejack.planning.climb.collide import Solids, solids_of
 from steeplejack.planning.climb.limits import LIMITS, Limit, Machine
+from steeplejack.planning.climb.obstructions import Obstructions, obstructions, unobstructed
 from steeplejack.planning.climb.pairs import Joined, join
-from steeplejack.planning.climb.places import PALM, bumps, edges, passes, trouble
-from steeplejack.worksite.pipe_line import Pipe
+from steeplejack.planning.climb.places import PALM, Places, bumps, edges, passes, trouble
+from steeplejack.planning.climb.uses import uses_of_grips
+from steeplejack.worksite.pipe_line import Part, Pipe
 from steeplejack.worksite.pipe_run import PipeRun
 
 Array = NDArray[np.float64]
@@ -33,27 +36,10 @@ SAME = 1e-6
 """Clocks closer than this are one [rad]."""
 LEAST_TURN = math.radians(5.0)
 """A linkage of less range than this is not used to go round a pipe [rad]."""
+LEVEL = 0.05
+"""Gravity across a pipe, in parts of all of it, that makes its clock worth standing at [1]."""
 SAME_PLACE = 1e-7
 """Places closer than this are one [m]."""
-
-
-@dataclass(frozen=True)
-class Places:
-    """Places of one gripper, by pipe and along it.
-
-    Attributes:
-        pipe: Index of the pipe, (n,).
-        s: Along it, (n,) [m].
-        points: (n, 3) [m].
-        frames: (n, 3, 3).
-        holds: Whether the gripper may close there, (n,).
-    """
-
-    pipe: Indices
-    s: Array
-    points: Array
-    frames: Array
-    holds: Flags
 
 
 @dataclass(frozen=True)
@@ -75,6 +61,9 @@ class Lattice:
         middles: Clock indices allowed halfway to it, (k, 2 grippers, 2); -2 for any clock, -1 for none.
         lower_passes: Open lower gripper turning between clocks, (n, c, b).
         upper_passes: The same of the upper one.
+        uses: Of the lower and the upper gripper's grip, holding alone, (k, c, b, 2); see `grip.alone`.
+        solids: What bars must not meet.
+        obstructions: Where they do.
     """
 
     run: PipeRun
@@ -91,6 +80,9 @@ class Lattice:
     middles: Indices
     lower_passes: Flags
     upper_passes: Flags
+    uses: NDArray[np.float32]
+    solids: Solids
+    obstructions: Obstructions
 
 
 def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
@@ -111,18 +103,25 @@ def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
     joined = join(machine, gravity, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
     useful = np.asarray(joined.allowed.any(axis=1))
     pairs, joined = pairs[useful], joined.only(useful)
+    solids = solids_of(run)
+    free = unobstructed(machine, solids, joined, lower, pairs)
+    useful = np.asarray(free.any(axis=1))
+    pairs, joined = pairs[useful], replace(joined.only(useful), allowed=free[useful])
     ahead = np.stack([_ahead(pairs, (upper, lower)[g], 1 - g) for g in range(2)], axis=-1)
     middles = np.full((len(pairs), 2, 2), -1, dtype=np.int64)
     for gripper in range(2):
         have = np.flatnonzero(ahead[:, gripper] >= 0)
         ends = [_at(lower, pairs[have, 0]), _at(upper, pairs[have, 1])]
         moving = 1 - gripper
-        ends[moving] = _halfway(run, (lower, upper)[moving], pairs[have, moving])
+        ends[moving] = _halfway(run, machine, (lower, upper)[moving], pairs[have, moving])
         between = join(machine, gravity, ends[0], ends[1])
         middles[have, gripper] = _clock_choice(between, clocks)
+    sides = _sides(joined, clocks)
     return Lattice(
-        run, machine, step, lower, upper, clocks, near, pairs, joined, _sides(joined, clocks), ahead, middles,
+        run, machine, step, lower, upper, clocks, near, pairs, joined, sides, ahead, middles,
         _passable(run, machine, lower, clocks, near), _passable(run, machine, upper, clocks, near),
+        uses_of_grips(run, machine, lower, upper, pairs, joined, sides, clocks, near),
+        solids, obstructions(run, machine, solids, lower, pairs, joined, clocks, near),
     )  # fmt: skip
 
 
@@ -138,14 +137,14 @@ def deciding_limits(run: PipeRun, machine: Machine, step: float) -> set[Limit]:
 
 
 def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
-    """Clocks worth standing at: the start's, both sides of every bend and crossing, both edges of what stands out.
+    """Clocks worth standing at: the start's, both sides of bends and crossings, edges of what stands out, up and down.
 
     All of them, and steps of the linkage's range between them, (c,) in [0, 2 pi).
     """
     anchors = [run.start_clock]
     for pipe in run.pipes:
         for part in pipe.parts:
-            anchors += [] if part.straight else [part.toward, part.toward + math.pi]
+            anchors += _falls(run, part) if part.straight else [part.toward, part.toward + math.pi]
         for one in bumps(run, machine, pipe):
             away = one.clock[1] + machine.robot.gait.palm
             if one.height > machine.robot.gait.clearance and away < math.pi:
@@ -160,6 +159,15 @@ def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
     turns = max(1, math.ceil(2.0 * math.pi / min(machine.robot.rcm.limit, math.pi) - 1e-9))
     grid = run.start_clock + 2.0 * math.pi * np.arange(turns) / turns
     return _distinct(np.concatenate((anchors, grid)))
+
+
+def _falls(run: PipeRun, part: Part) -> list[float]:
+    """Clocks at which a leaning straight has the ground and the sky: a grip holds most in their plane."""
+    down = part.frame.T @ np.array(run.gravity)
+    if math.hypot(down[0], down[1]) < LEVEL * float(np.linalg.norm(down)):
+        return []
+    clock = math.atan2(down[1], down[0])
+    return [clock, clock + math.pi]
 
 
 def _distinct(clocks: Array) -> Array:
@@ -193,7 +201,7 @@ def _places(run: PipeRun, machine: Machine, step: float, gripper: Literal["lower
         grid = origin + step * np.arange(first, last + 1, dtype=np.float64)
         s = _merged(grid, _marks(run, machine, pipe, gripper), pipe.length)
         holds = ~np.any([flags for _why, flags in trouble(run, machine, pipe, s)], axis=0)
-        columns.append((np.full(len(s), index, dtype=np.int64), s, *pipe.centre_line(s), holds))
+        columns.append((np.full(len(s), index, dtype=np.int64), s, *pipe.chord(s, machine.row), holds))
     return Places(*(np.concatenate(column) for column in zip(*columns, strict=True)))  # pyright: ignore[reportArgumentType]
 
 
@@ -220,13 +228,13 @@ def _at(places: Places, which: Indices) -> tuple[Array, Array]:
     return places.points[which], places.frames[which]
 
 
-def _halfway(run: PipeRun, places: Places, which: Indices) -> tuple[Array, Array]:
+def _halfway(run: PipeRun, machine: Machine, places: Places, which: Indices) -> tuple[Array, Array]:
     """Points and frames halfway to the next places."""
     s = 0.5 * (places.s[which] + places.s[which + 1])
     points, frames = np.empty((len(which), 3)), np.empty((len(which), 3, 3))
     for index, pipe in enumerate(run.pipes):
         mine = places.pipe[which] == index
-        points[mine], frames[mine] = pipe.centre_line(s[mine])
+        points[mine], frames[mine] = pipe.chord(s[mine], machine.row)
     return points, frames
 
 

@@ -16,8 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.planning.climb.collide import AIR
+from steeplejack.robots.pipe_climber.bars import inner_radius
 from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
 from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.singularity import determinant
 from steeplejack.robots.pipe_climber.statics import actuator_forces
@@ -76,6 +79,16 @@ class Machine:
     def mass(self) -> float:
         """Of robot and payload [kg]."""
         return self.upper_mass + self.lower_mass
+
+    @property
+    def row(self) -> float:
+        """Distance of a gripper's rows of pads from its middle: where it touches the pipe [m]."""
+        return pad_row(self.robot)
+
+    @property
+    def lowest_bar(self) -> float:
+        """What ends below this distance from a straight pipe's axis meets none of the robot's bars [m]."""
+        return inner_radius(self.robot) - AIR
 
     @property
     def straight_gaps(self) -> tuple[float, float]:

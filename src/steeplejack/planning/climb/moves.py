@@ -1,8 +1,9 @@
 """One move as a reference in time: the way of the open gripper, timed so that no cylinder and no servo is too fast.
 
-Along its pipe the open gripper follows the centre line; from one pipe to another the cylinders go straight from
-lengths to lengths, which keeps each in its window, and the poses follow by forward kinematics. With tau the time the
-way takes when the slowest actuator runs at its speed throughout, tau(t) is a rest-to-rest profile of speed at most 1.
+Along its pipe the open gripper goes where it would be if it closed; from one pipe to another the cylinders go straight
+from lengths to lengths, which keeps each in its window, and the poses follow by forward kinematics. With tau the time
+the way takes when the slowest actuator runs at its speed throughout, tau(t) is a rest-to-rest profile of speed at
+most 1.
 """
 
 from __future__ import annotations
@@ -67,9 +68,9 @@ def way(run: PipeRun, machine: Machine, start: Standing, end: Standing) -> Array
         return _across(machine, start, end)
     count = max(2, math.ceil(abs(after[1] - before[1]) / FINE) + 1)
     s = np.linspace(before[1], after[1], count)
-    moving = run.pipes[before[0]].centre_line(s)
+    moving = run.pipes[before[0]].chord(s, machine.row)
     fixed_at = start.upper if lower_free else start.lower
-    fixed = run.pipes[fixed_at[0]].centre_line(np.full(count, fixed_at[1]))
+    fixed = run.pipes[fixed_at[0]].chord(np.full(count, fixed_at[1]), machine.row)
     lower, upper = (moving, fixed) if lower_free else (fixed, moving)
     joined = join(machine, np.array(run.gravity), lower, upper)
     away = np.abs((joined.clocks - start.upper_clock + math.pi) % (2.0 * math.pi) - math.pi)

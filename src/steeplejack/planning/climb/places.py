@@ -1,7 +1,7 @@
 """Where along a run a gripper may close, and what an open one passes over: rules of clearance, all of them estimates.
 
-- A closed gripper covers its jaws' length. There it wants pipe of one diameter within its range, no obstacle, no
-  junction, and friction enough for the whole weight.
+- A closed gripper covers its jaws' length. There it wants pipe of one diameter within its range and no junction; no
+  obstacle under its two rows of pads, and between them none higher than the relief of its jaws.
 - An open gripper keeps only its palm near the pipe, on the side of the robot's -Y; the jaws swing clear of the rest.
   The palm passes whatever is lower than its clearance, and anything at clocks it does not cover.
 - Two pipes whose axes cross under the angle g cover each other over (r_other + r |cos g|) / sin g to either side.
@@ -17,14 +17,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.limits import ROUNDING, Machine
+from steeplejack.robots.pipe_climber.pads import INSET
 from steeplejack.worksite.pipe_line import Pipe
-from steeplejack.worksite.pipe_run import PipeRun
+from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter", "friction"]
+Indices = NDArray[np.int64]
+Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter"]
 PALM = -0.5 * math.pi
 """Clock of the palm's middle from the robot's X axis [rad]."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places of one gripper, by pipe and along it.
+
+    Attributes:
+        pipe: Index of the pipe, (n,).
+        s: Along it, (n,) [m].
+        points: Where the gripper's middle is, (n, 3) [m]; see `worksite.pipe_line.Pipe.chord`.
+        frames: Its frame at clock 0, (n, 3, 3).
+        holds: Whether the gripper may close there, (n,).
+    """
+
+    pipe: Indices
+    s: Array
+    points: Array
+    frames: Array
+    holds: Flags
 
 
 @dataclass(frozen=True)
@@ -97,30 +118,37 @@ def trouble(run: PipeRun, machine: Machine, pipe: Pipe, s: Array) -> list[tuple[
     standing = np.zeros(len(s), dtype=np.bool_)
     for one in run.obstacles:
         if one.pipe == pipe.name:
-            standing |= (last > one.start + ROUNDING) & (first < one.end - ROUNDING)
+            for begin, end in _covered(machine, one):
+                standing |= (s + end > one.start + ROUNDING) & (s + begin < one.end - ROUNDING)
     meeting = np.zeros(len(s), dtype=np.bool_)
     for at, reach, _clocks, _other in junctions(run, pipe):
         meeting |= (last > at - reach + ROUNDING) & (first < at + reach - ROUNDING)
     low, high = _radii(pipe, first + ROUNDING, last - ROUNDING)
     size = (low < least - ROUNDING) | (high > largest + ROUNDING) | (high > low + ROUNDING)
-    tangent = pipe.centre_line(s)[1][..., :, 2]
-    axial = machine.mass * np.abs(tangent @ np.array(run.gravity))
-    slips = axial > gripper.friction * gripper.jaws * gripper.force * (1.0 + ROUNDING)
-    return [
-        ("end of the pipe", outside), ("obstacle", standing), ("junction", meeting), ("diameter", size),
-        ("friction", slips),
-    ]  # fmt: skip
+    return [("end of the pipe", outside), ("obstacle", standing), ("junction", meeting), ("diameter", size)]
+
+
+def _covered(machine: Machine, one: PipeObstacle) -> list[tuple[float, float]]:
+    """Stretches about a closed gripper's middle that an obstacle must keep out of [m]."""
+    half, pads = 0.5 * machine.robot.build.jaw_length, 2.0 * INSET * machine.robot.build.pad_radius
+    if one.height > machine.robot.gait.relief * (1.0 + ROUNDING) or 2.0 * pads >= 2.0 * half:
+        return [(-half, half)]
+    return [(-half, -half + pads), (half - pads, half)]
 
 
 def edges(run: PipeRun, machine: Machine, pipe: Pipe) -> Array:
     """Places along a pipe where closing, passing or a straight begins or ends, (k,) [m]."""
     half = 0.5 * machine.robot.build.jaw_length
     stretches = [(0.0, 0.0), (pipe.length, pipe.length)]
-    stretches += [(one.start, one.end) for one in run.obstacles if one.pipe == pipe.name]
     stretches += [(at - reach, at + reach) for at, reach, _clocks, _other in junctions(run, pipe)]
-    steps = [part.start for part in pipe.parts[1:]]
     beside = [place for start, end in stretches for place in (start - half, end + half)]
-    return np.array(beside + [place for step in steps for place in (step - half, step, step + half)])
+    for one in run.obstacles:
+        if one.pipe == pipe.name:
+            covered = [(-half, half), *_covered(machine, one)]
+            beside += [place for begin, end in covered for place in (one.start - end, one.end - begin)]
+    steps = [part.start for part in pipe.parts[1:]]
+    offsets = (-half, -machine.row, 0.0, machine.row, half)
+    return np.unique(np.array(beside + [step + offset for step in steps for offset in offsets]))
 
 
 def _radii(pipe: Pipe, first: Array, last: Array) -> tuple[Array, Array]:

@@ -1,8 +1,9 @@
 """A climb as a plan: the phases of grip, move and release that bring the robot along a run of pipes.
 
-Where the robot is follows from a phase alone: the lower gripper's frame is the pipe's frame at ``s_lower`` turned by
-``clock`` about its z axis, and the upper gripper's is `robots.pipe_climber.grippers.free_gripper` of the pose. A move
-with the lower gripper holding leaves ``s_lower`` and ``clock`` as they are; one with the upper gripper holding leaves
+Where the robot is follows from a phase alone: the lower gripper's frame is that of the pipe's chord between its two
+rows of pads about ``s_lower`` (`worksite.pipe_line.Pipe.chord`), turned by ``clock`` about its z axis, and the upper
+gripper's is `robots.pipe_climber.grippers.free_gripper` of the pose. A move with the lower gripper holding leaves
+``s_lower`` and ``clock`` as they are; one with the upper gripper holding leaves
 ``s_upper``, and the lower gripper's new place and clock stand in the next phase.
 """
 

@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from steeplejack.planning.climb.collide import AIR
+from steeplejack.planning.climb.frames import gripper_frames, touching, worst_use
 from steeplejack.planning.climb.gait import BEARS, acts, after
 from steeplejack.planning.climb.lattice import Lattice, build_lattice, turned
 from steeplejack.planning.climb.limits import Machine
@@ -98,16 +100,20 @@ def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Fou
 
 def search(lattice: Lattice) -> Found:
     """The fastest way over one lattice, ways between pipes proved one at a time."""
-    banned = np.empty((0, 2), dtype=np.int64)
-    while True:
-        path, times, complete = _search_once(lattice, banned)
-        bad = _impossible(lattice, path)
-        if bad is None:
-            break
-        banned = np.append(banned, [bad], axis=0)
-    standings = _standings(lattice, path)
-    if not standings:
+    banned, starts = np.empty((0, 2), dtype=np.int64), _start_states(lattice)
+    if not len(starts):
         return Found((), lattice.run.start_s, False, 0.0)
+    count = 1  # the upper gripper as near as it can be, and wherever it can be if that leads nowhere
+    while True:
+        path, times, complete = _search_once(lattice, banned, starts[:count])
+        bad = _impossible(lattice, path)
+        if bad is not None:
+            banned = np.append(banned, [bad], axis=0)
+        elif complete or count == len(starts):
+            break
+        else:
+            count = len(starts)
+    standings = _standings(lattice, path)
     return Found(standings, progress(lattice.run, standings[-1].lower), complete, times)
 
 
@@ -120,13 +126,10 @@ def progress(run: PipeRun, place: tuple[int, float]) -> float:
     return crossing.at + s - crossing.at_other
 
 
-def _search_once(lattice: Lattice, banned: Indices) -> tuple[list[int], float, bool]:
+def _search_once(lattice: Lattice, banned: Indices, starts: Indices) -> tuple[list[int], float, bool]:
     """States from start to goal, or to the furthest reached; the time; whether it is the goal."""
     machine = lattice.machine
     pairs, joined, near = lattice.pairs, lattice.joined, lattice.near
-    start = _start_state(lattice)
-    if start is None:
-        return [], 0.0, False
     goal = _goal_pairs(lattice)
     lengths = limb_lengths(machine.layout, joined.poses)
     turns = (lattice.clocks[np.maximum(near, 0)] - lattice.clocks[:, None] + np.pi) % (2.0 * np.pi) - np.pi
@@ -135,14 +138,15 @@ def _search_once(lattice: Lattice, banned: Indices) -> tuple[list[int], float, b
     for gripper in range(2):
         have = np.flatnonzero(lattice.ahead[:, gripper] >= 0)
         behind[lattice.ahead[have, gripper], gripper] = have
-    cylinders, gait = machine.robot.cylinders, machine.robot.gait
+    cylinders, gait, tables = machine.robot.cylinders, machine.robot.gait, lattice.obstructions
     times, before, reached = shortest_times(
         pairs, joined.coaxial, lattice.sides, joined.allowed, lengths, lattice.ahead, behind, lattice.middles,
         lattice.lower.holds, lattice.upper.holds, lattice.lower.pipe, lattice.upper.pipe, near, turns,
-        lattice.lower_passes, lattice.upper_passes,
+        lattice.lower_passes, lattice.upper_passes, lattice.uses * np.float32(1.0 - 1e-6), tables.row_of_pair,
+        tables.mechanism, tables.row_of_place, tables.by_upper, tables.by_lower,
         np.searchsorted(pairs[:, 0], np.arange(len(lattice.lower.s) + 1)),
         np.searchsorted(pairs[order, 1], np.arange(len(lattice.upper.s) + 1)), order, banned,
-        np.array([start]), goal, cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time,
+        starts, goal, cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time,
     )  # fmt: skip
     state = int(reached) if reached >= 0 else _furthest(lattice, times)
     path = [state]
@@ -151,19 +155,22 @@ def _search_once(lattice: Lattice, banned: Indices) -> tuple[list[int], float, b
     return path[::-1], float(times[state]), bool(reached >= 0)
 
 
-def _start_state(lattice: Lattice) -> int | None:
-    """The lower gripper at the start, the upper one as near as it can hold; None if there is no such pair."""
-    run, pairs, joined = lattice.run, lattice.pairs, lattice.joined
+def _start_states(lattice: Lattice) -> Indices:
+    """The lower gripper at the start, the upper one where it can hold, the nearest first; clear of everything."""
+    run, pairs, joined, tables = lattice.run, lattice.pairs, lattice.joined, lattice.obstructions
     lower, upper = lattice.lower, lattice.upper
     clock = int(np.argmin(np.abs((lattice.clocks - run.start_clock + np.pi) % (2.0 * np.pi) - np.pi)))
     at_start = (lower.pipe[pairs[:, 0]] == 0) & (np.abs(lower.s[pairs[:, 0]] - run.start_s) < 1e-9)
     good = at_start & lower.holds[pairs[:, 0]] & upper.holds[pairs[:, 1]]
     fits = (joined.coaxial[:, None] | (lattice.sides == clock)) & joined.allowed
     good &= fits.any(axis=1) & (upper.pipe[pairs[:, 1]] == 0)
-    if not good.any():
-        return None
+    for rows, met in (
+        (tables.row_of_pair, tables.mechanism[:, clock, 0]),
+        (tables.row_of_place[pairs[:, 0]], tables.by_upper[:, clock, 0, 0]),
+    ):
+        good[rows >= 0] &= ~met[rows[rows >= 0]]
     count, spread = lattice.near.shape
-    return (int(np.flatnonzero(good)[0]) * count + clock) * spread
+    return (np.flatnonzero(good) * count + clock) * spread
 
 
 def _goal_pairs(lattice: Lattice) -> NDArray[np.bool_]:
@@ -222,9 +229,26 @@ def _impossible(lattice: Lattice, path: list[int]) -> tuple[int, int] | None:
         if (start.lower[0], start.upper[0]) == (end.lower[0], end.upper[0]):
             continue
         poses = way(lattice.run, lattice.machine, start, end)
-        if poses is None or check_waypoints(lattice.machine.layout, poses).verdict != "free":
+        if (
+            poses is None
+            or check_waypoints(lattice.machine.layout, poses).verdict != "free"
+            or _hindered(lattice, start, end, poses)
+        ):
             return state // (count * spread), following // (count * spread)
     return None
+
+
+def _hindered(lattice: Lattice, start: Standing, end: Standing, poses: Array) -> bool:
+    """Whether bars meet something on a way between two pipes, or the grip does not bear the robot there."""
+    run, machine = lattice.run, lattice.machine
+    holds = Hold.UPPER if lower_moves(start, end) else Hold.LOWER
+    freedoms = np.append(poses, np.full((len(poses), 1), start.freedoms[3]), axis=1)
+    at = (run.pipes[start.lower[0]].name, start.lower[1], start.lower_clock)
+    lowers, _uppers = gripper_frames(run, machine, at, np.array(start.freedoms), freedoms, holds)
+    if touching(lattice.solids, machine, lowers, freedoms, AIR, linkage=False).any():
+        return True
+    radii = tuple(float(run.pipes[pipe].radius(s)) for pipe, s in (start.lower, start.upper))
+    return worst_use(run, machine, lowers, freedoms, (radii[0], radii[1]), holds) > 1.0
 
 
 def _phases(run: PipeRun, machine: Machine, standings: tuple[Standing, ...]) -> tuple[Phase, ...]:

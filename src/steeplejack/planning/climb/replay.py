@@ -7,18 +7,18 @@ along the straight pieces between them.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
+from steeplejack.planning.climb.collide import solids_of
+from steeplejack.planning.climb.frames import gripper_frames, touching, worst_use
 from steeplejack.planning.climb.gait import BEARS, after
 from steeplejack.planning.climb.limits import LIMITS, Machine, margins
 from steeplejack.planning.climb.places import passes, trouble
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase
-from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.singular_path import check_waypoints
@@ -30,6 +30,10 @@ OFF_AXIS, OFF_TANGENT = 2e-4, 1e-3
 """How far an open gripper may leave the centre line [m] and its tangent [1] between two samples of a reference."""
 LENGTH = 2e-6
 """How far a cylinder may leave its window between two places of the lattice [m]; a screw is no more exact."""
+USE = 1e-3
+"""By how much the use of a grip may exceed 1 between two places of the lattice [1]."""
+NEARER = 10
+"""Steps along the tangent to the place nearest a point; each cubes what is missing, in parts of a bend's radius."""
 SPEED = 1e-3
 """In parts of a speed limit [1]."""
 
@@ -64,7 +68,24 @@ def _phase(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     if len(freedoms) > 1 and np.ptp(freedoms[:, :3], axis=0).max() > 0.0:
         verdict = check_waypoints(machine.layout, freedoms[:, :3]).verdict
         found += [] if verdict == "free" else [f"singularity: {verdict}"]
-    return found + _clearances(phase, run, machine)
+    return found + _grip_use(phase, run, machine) + _collisions(phase, run, machine) + _clearances(phase, run, machine)
+
+
+def _grip_use(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
+    """The gripper that holds alone bears force and moment of the weight throughout."""
+    lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
+    places = ((phase.pipe_lower, phase.s_lower), (phase.pipe_upper, phase.s_upper))
+    lower, upper = (float(run.radius(s, name)) for name, s in places)
+    use = worst_use(run, machine, lowers, phase.poses, (lower, upper), phase.hold)
+    return [f"the {phase.hold.value} gripper slips or tilts: {use:.4f} of its grip"] if use > 1.0 + USE else []
+
+
+def _collisions(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
+    """No bar of the robot touches a pipe or an obstacle; between two pipes the linkage is open."""
+    lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
+    linkage = "crosses" not in phase.why
+    hits = touching(solids_of(run), machine, lowers, phase.poses, 0.0, linkage)
+    return [f"a bar touches a pipe or an obstacle at {int(hits.sum())} samples"] if hits.any() else []
 
 
 def _grip(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
@@ -74,24 +95,15 @@ def _grip(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
         why = [what for what, at in trouble(run, machine, run.pipe(name), np.array([s])) if at[0]]
         found += [f"a gripper closed at {s:g} m: {what}" for what in why]
     both = _frames(phase, run, machine, np.array([phase.start]), Hold.LOWER)[1][0]
-    point, frame = run.centre_line(phase.s_upper, phase.pipe_upper)
+    point, frame = run.pipe(phase.pipe_upper).chord(phase.s_upper, machine.row)
     off = max(float(np.abs(both[:3, 3] - point).max()), float(np.abs(both[:3, 2] - frame[:, 2]).max()))
     return [*found, f"the upper gripper is {off:g} off its pipe"] if off > 1e-6 else found
 
 
 def _frames(phase: Phase, run: PipeRun, machine: Machine, freedoms: Array, closed: Hold) -> tuple[Array, Array]:
     """World frames (k, 4, 4) of the lower and upper gripper during a phase."""
-    point, frame = run.centre_line(phase.s_lower, phase.pipe_lower)
-    lower = np.eye(4)
-    c, d = math.cos(phase.clock), math.sin(phase.clock)
-    lower[:3, :3] = frame @ np.array([[c, -d, 0.0], [d, c, 0.0], [0.0, 0.0, 1.0]])
-    lower[:3, 3] = point
-    chain = free_gripper(freedoms, machine.claw_offset)
-    start = free_gripper(np.array(phase.start), machine.claw_offset)
-    if closed is Hold.UPPER:
-        lowers = (lower @ start) @ np.linalg.inv(chain)
-        return lowers, np.broadcast_to(lower @ start, chain.shape)
-    return np.broadcast_to(lower, chain.shape), lower @ chain
+    lower = (phase.pipe_lower, phase.s_lower, phase.clock)
+    return gripper_frames(run, machine, lower, np.array(phase.start), freedoms, closed)
 
 
 def _limits(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
@@ -139,8 +151,8 @@ def _clearances(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     if "crosses" in phase.why:  # within the plane of the pipes, where the palm is not
         return []
     pipe = run.pipe(name)
-    places = _nearest(run, name, frames[:, :3, 3], s)
-    points, lines = pipe.centre_line(places)
+    places = _nearest(run, name, frames[:, :3, 3], s, machine.row)
+    points, lines = pipe.chord(places, machine.row)
     off = np.linalg.norm(frames[:, :3, 3] - points, axis=-1)
     lean = np.linalg.norm(frames[:, :3, 2] - lines[:, :, 2], axis=-1)
     if off.max() > OFF_AXIS or lean.max() > OFF_TANGENT:
@@ -162,12 +174,10 @@ def _free(run: PipeRun, machine: Machine, name: str, place: float, clock: float)
     )
 
 
-def _nearest(run: PipeRun, name: str, points: Array, s: float) -> Array:
-    """Places of a pipe nearest to points, following them from one on, (k,) [m]."""
-    places = np.empty(len(points))
-    for k, point in enumerate(points):
-        for _ in range(4):
-            at, frame = run.centre_line(s, name)
-            s += float((point - at) @ frame[:, 2])
-        places[k] = s
+def _nearest(run: PipeRun, name: str, points: Array, s: float, row: float) -> Array:
+    """Places of a pipe nearest to points, from one near them on, (k,) [m]."""
+    places = np.full(len(points), s)
+    for _ in range(NEARER):
+        at, frame = run.pipe(name).chord(places, row)
+        places = places + ((points - at) * frame[..., 2]).sum(axis=-1)
     return places

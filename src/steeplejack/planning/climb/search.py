@@ -27,8 +27,15 @@ Net = tuple[Indices, Indices, Indices, Indices]
 """pairs, ahead, behind and middles."""
 Clocks = tuple[Indices, Array]
 """near and turns."""
+Uses = NDArray[np.float32]
+Bars = tuple[Uses, Indices, Flags, Indices, Flags, Flags]
+"""uses, row_of_pair, mechanism, row_of_place, by_upper and by_lower."""
 Pace = tuple[float, float, float, float]
 """speed, turn_speed, ramp and grip."""
+SWING = 1.0 / math.cos(math.radians(15.0))
+"""By how much more of a grip a turn of 30 degrees may take on its way than at its ends [1]: the use is convex."""
+TIDY = 1e-3
+"""Time that a turn counts for beyond what it takes, so that none is made that gains nothing [s/rad]."""
 Heap = Any
 """List of times and states still to look at; the checker cannot tell the integers apart."""
 
@@ -37,7 +44,8 @@ Heap = Any
 def shortest_times(
     pairs: Indices, coaxial: Flags, sides: Indices, allowed: Flags, lengths: Array, ahead: Indices, behind: Indices,
     middles: Indices, holds_lower: Flags, holds_upper: Flags, pipe_lower: Indices, pipe_upper: Indices,
-    near: Indices, turns: Array, passes_lower: Flags, passes_upper: Flags,
+    near: Indices, turns: Array, passes_lower: Flags, passes_upper: Flags, uses: Uses, row_of_pair: Indices,
+    mechanism: Flags, row_of_place: Indices, by_upper: Flags, by_lower: Flags,
     rows: Indices, columns: Indices, order: Indices, banned: Indices,
     start: Indices, goal: Flags, speed: float, turn_speed: float, ramp: float, grip: float,
 ) -> tuple[Any, Any, Any]:  # fmt: skip
@@ -60,6 +68,12 @@ def shortest_times(
         turns: (c, b) turn to them [rad].
         passes_lower: (n, c, b) open gripper turning from c to near b.
         passes_upper: (m, c, b) the same.
+        uses: (k, c, b, 2) of the grip that holds alone, lower and upper.
+        row_of_pair: (k,) into the next, -1 for none.
+        mechanism: (r, c, b) turns in which its bars meet something.
+        row_of_place: (n,) into the next two, -1 for none.
+        by_upper: (q, c, b, b) turns of the upper gripper in which the linkage's bars do.
+        by_lower: (q, c, b, b) turns of the lower one.
         rows: (n + 1,) where the pairs of each lower place begin.
         columns: (m + 1,) where those of each upper place begin in the order below.
         order: (k,) pairs by upper place.
@@ -77,7 +91,8 @@ def shortest_times(
     times = np.full(pairs.shape[0] * near.shape[0] * near.shape[1], np.inf)
     before = np.full(times.shape[0], -1, dtype=np.int64)
     done = np.zeros(times.shape[0], dtype=np.bool_)
-    poses, net, clocks = (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns)
+    poses, net = (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles)
+    wheel, bars = (near, turns), (uses, row_of_pair, mechanism, row_of_place, by_upper, by_lower)
     pace, every = (speed, turn_speed, ramp, grip), np.arange(pairs.shape[0])
     heap: Heap = [(0.0, np.int64(-1))]
     heap.pop()
@@ -92,42 +107,48 @@ def shortest_times(
         if goal[state // (near.shape[0] * near.shape[1])]:
             return times, before, state
         for way in range(2):
-            _along(state, 0, way, poses, net, clocks, pace, holds_upper, passes_upper, times, before, heap)
-            _along(state, 1, way, poses, net, clocks, pace, holds_lower, passes_lower, times, before, heap)
+            _along(state, 0, way, poses, net, wheel, bars, pace, holds_upper, passes_upper, times, before, heap)
+            _along(state, 1, way, poses, net, wheel, bars, pace, holds_lower, passes_lower, times, before, heap)
         at = pairs[state // (near.shape[0] * near.shape[1])]
         _across(
-            state, 0, every[rows[at[0]] : rows[at[0] + 1]], poses, net, clocks, pace, holds_upper, passes_upper,
-            pipe_upper, banned, times, before, heap,
+            state, 0, every[rows[at[0]] : rows[at[0] + 1]], poses, net, wheel, bars, pace, holds_upper,
+            passes_upper, pipe_upper, banned, times, before, heap,
         )  # fmt: skip
         _across(
-            state, 1, order[columns[at[1]] : columns[at[1] + 1]], poses, net, clocks, pace, holds_lower, passes_lower,
-            pipe_lower, banned, times, before, heap,
+            state, 1, order[columns[at[1]] : columns[at[1] + 1]], poses, net, wheel, bars, pace, holds_lower,
+            passes_lower, pipe_lower, banned, times, before, heap,
         )  # fmt: skip
     return times, before, -1
 
 
 @njit(cache=True)
 def _along(
-    state: Index, gripper: int, way: int, poses: Poses, net: Net, clocks: Clocks, pace: Pace,
+    state: Index, gripper: int, way: int, poses: Poses, net: Net, wheel: Clocks, bars: Bars, pace: Pace,
     holds: Flags, passes: Flags, times: Array, before: Indices, heap: Heap,
 ) -> None:  # fmt: skip
     """Offer the states one gripper (0 upper, 1 lower) reaches along its pipe, turning on the way if it likes."""
-    (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns) = poses, net, clocks
+    (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns) = poses, net, wheel
     pair, upper, lower = _parts(state, near)
     own, here, travelled, column = upper if gripper == 0 else lower, pair, 0.0, 1 - gripper
-    while passes[pairs[here, column], own, 0]:
-        if holds[pairs[here, column]] and (way == 0 or here != pair):
-            for b in range(near.shape[1]):
-                clock = near[own, b]
-                if clock < 0 or (here == pair and b == 0) or not passes[pairs[here, column], own, b]:
-                    continue
-                if b > 0 and gripper == 0 and not (coaxial[pair] and coaxial[here]):
-                    continue
-                if b > 0 and not _clear(passes, pairs, ahead, behind, pair, here, gripper, way, own, b):
-                    continue
-                needed = max(travelled / pace[0], abs(turns[own, b]) / pace[1])
-                new_upper, new_lower = (clock, lower) if gripper == 0 else (upper, clock)
-                _offer(state, here, new_upper, new_lower, needed, near, pace, times, before, heap)
+    slot, may = _slot(near, upper, lower), near[own] >= 0
+    while passes[pairs[here, column], own, 0] and _stands(pairs, bars, here, upper, slot, gripper):
+        offers = holds[pairs[here, column]] and (way == 0 or here != pair)
+        for b in range(near.shape[1]):
+            if not may[b]:
+                continue
+            clock = near[own, b]
+            new_upper, new_lower = (clock, lower) if gripper == 0 else (upper, clock)
+            if b > 0:
+                if gripper == 0 and not (coaxial[pair] and coaxial[here]):
+                    may[b] = False
+                elif not passes[pairs[here, column], own, b]:
+                    may[b] = False
+                else:
+                    may[b] = _turns(pairs, near, bars, here, gripper, b, upper, slot, new_upper, new_lower)
+            if not (offers and may[b]) or (here == pair and b == 0):
+                continue
+            needed = max(travelled / pace[0], abs(turns[own, b]) / pace[1]) + TIDY * abs(turns[own, b])
+            _offer(state, here, new_upper, new_lower, needed, near, pace, times, before, heap)
         following = ahead[here, gripper] if way == 0 else behind[here, gripper]
         if following < 0 or not _between(middles, here if way == 0 else following, gripper, upper):
             return
@@ -140,14 +161,16 @@ def _along(
 
 @njit(cache=True)
 def _across(
-    state: Index, gripper: int, others: Indices, poses: Poses, net: Net, clocks: Clocks, pace: Pace,
+    state: Index, gripper: int, others: Indices, poses: Poses, net: Net, wheel: Clocks, bars: Bars, pace: Pace,
     holds: Flags, passes: Flags, pipes: Indices, banned: Indices, times: Array, before: Indices, heap: Heap,
 ) -> None:  # fmt: skip
     """Offer the states one gripper (0 upper, 1 lower) reaches on other pipes, the other one kept in place."""
-    (coaxial, sides, allowed, lengths), pairs, near = poses, net[0], clocks[0]
+    (coaxial, sides, allowed, lengths), pairs, near = poses, net[0], wheel[0]
     pair, upper, lower = _parts(state, near)
     own, column = upper if gripper == 0 else lower, 1 - gripper
-    place, at = pairs[pair, column], _side(coaxial, sides, allowed, pair, upper)
+    place, at, slot = pairs[pair, column], _side(coaxial, sides, allowed, pair, upper), _slot(near, upper, lower)
+    if not _stands(pairs, bars, pair, upper, slot, gripper):
+        return
     for other in others:
         target = pairs[other, column]
         if pipes[place] == pipes[target] or not holds[target]:
@@ -156,6 +179,8 @@ def _across(
             continue
         to = _side(coaxial, sides, allowed, other, upper)
         if to < 0 or _forbidden(banned, pair, other):
+            continue
+        if not _stands(pairs, bars, other, upper, slot, gripper):
             continue
         needed = _travel(lengths, pair, at, other, to) / pace[0]
         _offer(state, other, upper, lower, needed, near, pace, times, before, heap)
@@ -230,19 +255,35 @@ def _travel(lengths: Array, start: int, side: int, end: int, other: int) -> floa
 
 
 @njit(cache=True)
-def _clear(
-    passes: Flags, pairs: Indices, ahead: Indices, behind: Indices,
-    start: Index, end: Index, gripper: int, way: int, clock: Index, turn: int,
+def _stands(pairs: Indices, bars: Bars, pair: Index, upper: Index, slot: Index, gripper: int) -> bool:
+    """Whether a state holds with one gripper open: the other's grip suffices and no bar meets anything."""
+    uses, row_of_pair, mechanism, row_of_place, by_upper, _by_lower = bars
+    if slot < 0 or uses[pair, upper, slot, gripper] > 1.0:
+        return False
+    row, place = row_of_pair[pair], row_of_place[pairs[pair, 0]]
+    if row >= 0 and mechanism[row, upper, 0]:
+        return False
+    if place >= 0 and by_upper[place, upper, slot, 0]:
+        return False
+    return True
+
+
+@njit(cache=True)
+def _turns(
+    pairs: Indices, near: Indices, bars: Bars, here: Index, gripper: int, turn: int, upper: Index, slot: Index,
+    new_upper: Index, new_lower: Index,
 ) -> bool:  # fmt: skip
-    """Whether the open gripper passes every place from one pair to another while turning."""
-    here = start
-    while True:
-        place = pairs[here, 1] if gripper == 0 else pairs[here, 0]
-        if not passes[place, clock, turn]:
-            return False
-        if here == end:
-            return True
-        here = ahead[here, gripper] if way == 0 else behind[here, gripper]
+    """Whether grip and bars let one gripper (0 upper, 1 lower) turn at a pair, as far as any part of the turn."""
+    uses, row_of_pair, mechanism, row_of_place, by_upper, by_lower = bars
+    new_slot = _slot(near, new_upper, new_lower)
+    if new_slot < 0 or uses[here, upper, slot, gripper] * SWING > 1.0:
+        return False
+    if uses[here, new_upper, new_slot, gripper] * SWING > 1.0:
+        return False
+    row, place = row_of_pair[here], row_of_place[pairs[here, 0]]
+    if gripper == 0:
+        return not (row >= 0 and mechanism[row, upper, turn] or place >= 0 and by_upper[place, upper, slot, turn])
+    return not (place >= 0 and by_lower[place, upper, slot, turn])
 
 
 @njit(cache=True)

@@ -78,12 +78,19 @@ class ClimbLog:
     grips: tuple[GripRecord, ...]
     events: tuple[Event, ...]
     pictures: tuple[Picture, ...]
+    film: Picture | None
     end: EndRecord | None
 
     @property
     def layout(self) -> Layout:
         """Hinges of the robot's limbs."""
         return Layout.of(self.robot)
+
+
+def film_of(path: Path) -> bytes | None:
+    """The film in the log of a climb, as WebP; None if it has none."""
+    films = decoded(path, messages_of(path)[0], "/film", Picture)
+    return films[-1].data if films else None
 
 
 def is_climb(path: Path) -> bool:
@@ -105,6 +112,7 @@ def read_climb(path: Path) -> ClimbLog:
     if not samples:
         raise InputError(str(path), "no samples in /climb", "a log written by `steeplejack climb`")
     ends = decoded(path, messages, "/end", EndRecord)
+    films = decoded(path, messages, "/film", Picture)
     return ClimbLog(
         path,
         only(path, messages, "/run", RunRecord),
@@ -114,5 +122,6 @@ def read_climb(path: Path) -> ClimbLog:
         tuple(decoded(path, messages, "/grip", GripRecord)),
         tuple(decoded(path, messages, "/event", Event)),
         tuple(decoded(path, messages, "/camera", Picture)),
+        films[-1] if films else None,
         ends[-1] if ends else None,
     )

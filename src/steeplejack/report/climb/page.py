@@ -19,6 +19,7 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 STRIP = (
     ".strip { display: grid; grid-template-columns: repeat(4, 1fr); gap: .6rem; }"
     ".strip figure { margin: 0; } .strip img { display: block; width: 100%; border-radius: 3px; }"
+    ".film { margin: 0 0 1rem; } .film img { display: block; border-radius: 3px; }"
 )
 
 
@@ -135,6 +136,7 @@ def _asked(log: ClimbLog) -> Markup:
             (
                 ("Pipe", log.run.name),
                 ("Robot", f"{log.robot.name}, {log.robot.body.mass:g} kg"),
+                ("Payload", f"{log.run.payload_kg:g} kg on the upper gripper"),
                 ("Friction of the pads", friction),
                 ("Gravity", f"{x:g}, {y:g}, {z:g} m/s²"),
                 ("Plan", f"{len(log.plan.phases)} phases, {log.plan.duration_s:.1f} s, {log.plan.reached_m:.3f} m"),
@@ -145,20 +147,18 @@ def _asked(log: ClimbLog) -> Markup:
 
 
 def _strip(log: ClimbLog) -> Markup:
-    if not log.pictures:
+    if not log.pictures and log.film is None:
         return section("Film strip", element("p", "The log holds no pictures."))
-    caption = "Rings are painted on the pipe every 100 mm; the camera goes up with the robot."
-    return section(
-        "Film strip",
-        element("div", *(_picture(picture) for picture in log.pictures), cls="strip"),
-        element("p", caption),
-    )
+    caption = "Rings are painted on the pipe every 100 mm; the camera goes along with the robot."
+    film = [_picture(log.film, cls="film")] if log.film is not None else []
+    strip = [element("div", *(_picture(picture) for picture in log.pictures), cls="strip")] if log.pictures else []
+    return section("Film strip", *film, *strip, element("p", caption))
 
 
-def _picture(picture: Picture) -> Markup:
-    data = b64encode(picture.data).decode()
-    image = Markup(f'<img alt="" src="data:image/jpeg;base64,{data}">')
-    return element("figure", image, element("figcaption", picture.frame_id))
+def _picture(picture: Picture, cls: str = "") -> Markup:
+    data, kind = b64encode(picture.data).decode(), "webp" if picture.format == "webp" else "jpeg"
+    image = Markup(f'<img alt="" src="data:image/{kind};base64,{data}">')
+    return element("figure", image, element("figcaption", picture.frame_id), cls=cls)
 
 
 def _way(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
@@ -171,8 +171,8 @@ def _way(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
 
 def _limits(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
     loads = (
-        "While both grippers hold, the mechanism is over-determined and its forces depend on what each grip left; "
-        "cylinders stand still then."
+        "While both grippers hold, the mechanism is over-determined: cylinders give way to what each grip leaves, and "
+        "hand the weight over before one opens."
     )
     inside = "Commanded and achieved pose are those of the upper gripper in the lower one's frame."
     return section(

@@ -100,12 +100,13 @@ class Build(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
 
 
 class Gait(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What a climb asks for beyond the mechanism: how fast moves begin, and what an open gripper passes over."""
+    """What a climb asks for beyond the mechanism: how fast moves begin, and what open and closed grippers pass over."""
 
     ramp: Positive
     turn_speed: Positive
     clearance: Positive
     palm: Positive
+    relief: Positive
 
 
 class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -24,19 +24,31 @@ def solids_of(run: PipeRun) -> list[Solid]:
     return pipes + obstacles + [mark for pipe in run.pipes for mark in _marks(pipe)]
 
 
-def frame_at(pipe: Pipe, s: float, clock: float) -> Array:
-    """Frame of a gripper on a pipe: z along it, X at a clock (4, 4)."""
-    point, frame = pipe.centre_line(s)
+def frame_at(pipe: Pipe, s: float, clock: float, row: float) -> Array:
+    """Frame of a gripper that sits on a pipe: z through the middle at both rows of its pads, X at a clock (4, 4).
+
+    Args:
+        pipe: It is on.
+        s: Its place along the pipe [m].
+        clock: Of its X axis [rad].
+        row: From its middle to either row of pads [m]. In a bend of radius R the chord between the rows lies
+            ``row^2 / 2R`` inside the centre line.
+    """
+    (low, high), frames = pipe.centre_line(np.array([s - row, s + row]))
     cosine, sine = math.cos(clock), math.sin(clock)
+    across = frames.mean(axis=0) @ np.array([cosine, sine, 0.0])
+    along = (high - low) / np.linalg.norm(high - low)
+    across -= (across @ along) * along
+    across /= np.linalg.norm(across)
     out = np.eye(4)
-    out[:3, :3] = frame @ np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    out[:3, 3] = point
+    out[:3, :3] = np.stack((across, np.cross(along, across), along), axis=-1)
+    out[:3, 3] = 0.5 * (low + high)
     return out
 
 
-def lower_frame(run: PipeRun, phase: Phase) -> Array:
-    """Where a phase of a plan begins: frame of the lower gripper (4, 4)."""
-    return frame_at(run.pipe(phase.pipe_lower), phase.s_lower, phase.clock)
+def lower_frame(run: PipeRun, phase: Phase, row: float) -> Array:
+    """Frame of the lower gripper where a phase of a plan begins; rows of pads so far from its middle (4, 4)."""
+    return frame_at(run.pipe(phase.pipe_lower), phase.s_lower, phase.clock, row)
 
 
 def radii(run: PipeRun, phase: Phase) -> Array:

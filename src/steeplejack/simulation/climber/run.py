@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from steeplejack.control.climber import (
+    FIRST,
     TRANSITIONS,
     Act,
     ClimberController,
@@ -17,24 +18,33 @@ from steeplejack.control.climber import (
     State,
     Status,
     closed_in,
+    holding_forces,
+    taken_up,
 )
 from steeplejack.control.climber.gait import ALLOWED
 from steeplejack.errors import SteeplejackError
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
+from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import EndRecord
-from steeplejack.simulation.climber.pipe import clearing
-from steeplejack.simulation.climber.plant import ENDS, ClimberPlant
+from steeplejack.simulation.climber.odometry import Odometer
+from steeplejack.simulation.climber.pipe import clearing, lower_frame
+from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array, MoveReference
+from steeplejack.simulation.climber.truth import ENDS
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_run import PipeRun
 
 CONTROL_STEP = 4e-3  # [s]
 SAMPLE_EVERY = 5  # control steps between samples of the log
 ARRIVED = 1e-4  # [m] from a length at the end of a move
+TURNED = 5e-3  # [rad] from a turn at the end of a move, a little over what the linkage's servo counts in
 PATIENCE = 2.0  # [s] beyond the expected time of an act
 CALM = 0.2  # [s] in which nothing may slip after a rescue
-SETTLE = 1.0  # [s] recorded after a stop
+SHIFTED = 5.0  # [N] by which a cylinder's force may miss what it should be when a gripper opens
+STEADY = 8e-3  # [s] for which it may not miss it by more
+SHIFT = 0.1  # [s] after which one opens in any case
+SETTLE = 0.5  # [s] recorded after the end, to see that the robot hangs still
 BY_OPERATOR = "interrupted by the operator"
 
 
@@ -45,10 +55,11 @@ class _Course:
     phase: Phase
     reference: MoveReference
     radius: Array
+    loads: Array  # (2, 3) [N] of the cylinders at its beginning with the lower, with the upper gripper alone
     act: Act
     since: float  # [s] when the act began
-    calm: float  # [s] since when, in a rescue, nothing slips
-    moved: float = 0.0  # [s] into the move
+    calm: float  # [s] since when, in a rescue, nothing slips, or the load is what it should be
+    moved: int = 0  # control steps into the move
     slips: int = 0
     slipped: int = 0
     why: str = ""
@@ -88,6 +99,7 @@ class ClimbRun:
         self._plant, self._watch, self._asked_to_stop = plant, watch, asked_to_stop
         self._controller = ClimberController(robot)
         self._state: State = self._controller.begin(plant.measure())
+        self._odometer = Odometer(robot, layout, run, plant.measure().passed[:, 0], plan.phases[0])
         self._steps, self._slips, self._regrips = 0, 0, 0
 
     @property
@@ -97,28 +109,44 @@ class ClimbRun:
 
     def run(self, step: Callable[[float], None]) -> EndRecord:
         """Run every phase; ``step`` is called with the time [s] at each sample."""
-        why = ""
-        for index, phase in enumerate(self._plan.phases):
-            course = self._begin(index, phase)
-            while course.act not in (Act.DONE, Act.STOPPED):
-                self._advance(index, course, step)
-            if course.act is Act.STOPPED:
-                why = course.why
-                self._settle(index, course, step)
-                break
-        safe = self._watch.hanging
+        index, course = self._climb(step)
+        ended, why = self.time, course.why if course.act is Act.STOPPED else ""
+        if why:
+            self._watch.note(ended, why, "stop")
+        self._settle(index, course, step)
         return EndRecord(
-            not why and self._plan.complete, safe, why, self.time, self._watch.travelled, self._watch.collisions,
-            self._slips, self._regrips,
+            not why and self._plan.complete, self._watch.hanging, why, ended, self._watch.travelled,
+            self._watch.collisions, self._slips, self._regrips,
         )  # fmt: skip
 
+    def _climb(self, step: Callable[[float], None]) -> tuple[int, _Course]:
+        """Run phases up to the last one or to a stop; which it was and where in it the robot is."""
+        index = 0
+        while True:
+            course = self._begin(index, self._plan.phases[index])
+            while course.act not in (Act.DONE, Act.STOPPED):
+                self._advance(index, course, step)
+            if course.act is Act.STOPPED or index + 1 == len(self._plan.phases):
+                return index, course
+            index += 1
+
     def _begin(self, index: int, phase: Phase) -> _Course:
-        reference = MoveReference.of(self._layout, phase)
-        act = Act.MOVE if phase.kind == "move" else Act.CLOSE if phase.kind.startswith("grip") else Act.OPEN
+        reference = MoveReference.of(self._layout, phase, CONTROL_STEP)
+        passed = self._plant.measure().passed[:, 0]
+        if phase.kind == "move":
+            reference = self._odometer.corrected(reference, phase, passed)
         # Open jaws clear what lies between where their gripper comes from and where it goes.
         later = self._plan.phases[index : index + 3]
         radius = max(clearing(self._run, a, b) for a, b in zip((phase, *later), later, strict=False))
-        return _Course(phase, reference, np.full(2, radius), act, self.time, self.time)
+        gravity = np.array(self._run.gravity) @ lower_frame(self._run, phase, pad_row(self._robot))[:3, :3]
+        loads = holding_forces(self._robot, self._layout, np.array(phase.start), gravity, self._plant.payload)
+        return _Course(phase, reference, np.full(2, radius), loads, FIRST[phase.kind], self.time, self.time)
+
+    def _load(self, course: _Course) -> Array | None:
+        """What the cylinders should bear (3,) [N]: what comes next when one opens, half and half after a slip."""
+        if course.act in (Act.SHIFT, Act.OPEN):
+            return course.loads[1 if course.phase.hold is Hold.UPPER else 0]
+        return course.loads.mean(axis=0) if course.act in (Act.RESCUE, Act.STOPPED) else None
 
     def _closed(self, course: _Course) -> tuple[bool, bool]:
         kind, hold = course.phase.kind, course.phase.hold
@@ -133,17 +161,19 @@ class ClimbRun:
     def _advance(self, index: int, course: _Course, step: Callable[[float], None]) -> None:
         """One control step: measure, control, judge, command, let time pass."""
         closed = self._closed(course)
-        pose, joints, rates = course.reference.at(course.moved)
-        moving = course.act is Act.MOVE
-        rates = rates if moving else np.zeros(4)
-        reference = Reference(joints[:3], rates[:3], joints[3], float(rates[3]), np.array(closed), course.radius)
+        moving, joints = course.act is Act.MOVE, course.reference.joints[course.moved]
+        rates = course.reference.rates[course.moved] if moving else np.zeros(4)
+        reference = Reference(
+            joints[:3], rates[:3], joints[3], float(rates[3]), np.array(closed), course.radius, self._load(course)
+        )
         measured = self._plant.measure()
         before = self._state.held
         self._state, command, status = self._controller.step(self._state, reference, measured, CONTROL_STEP)
         self._plant.apply(command)
         self._plant.advance(self._substeps)
         self._steps += 1
-        course.moved += CONTROL_STEP if moving else 0.0
+        course.moved = min(course.moved + moving, course.reference.last)
+        pose = course.reference.poses[course.moved]
         fresh = status.held & ~before & (course.act in (Act.CLOSE, Act.RECLOSE))
         for end in np.flatnonzero(fresh):
             self._watch.gripped(self.time, index, course.phase, int(end), pose, measured)
@@ -170,9 +200,13 @@ class ClimbRun:
         match act:
             case Act.MOVE:
                 expected = course.reference.duration
-                reached = course.moved >= expected and status.lag <= ARRIVED
+                arrived = status.lag <= ARRIVED and status.turn_lag <= TURNED
+                reached = course.moved == course.reference.last and arrived
             case Act.CLOSE | Act.RECLOSE:
                 expected, reached = self._robot.gripper.close_time, firm
+            case Act.SHIFT:
+                course.calm = self.time if status.burden > SHIFTED else course.calm
+                expected, reached = SHIFT, self.time - course.calm >= STEADY or elapsed >= SHIFT
             case Act.RESCUE:
                 expected, reached = CALM, self._calm(course, status, firm)
             case _:
@@ -207,6 +241,8 @@ class ClimbRun:
         act = TRANSITIONS[was, outcome]
         if act is Act.REOPEN and course.slips > ALLOWED:
             act = Act.STOPPED
+        if was is Act.RESUME and act is Act.MOVE:
+            act = taken_up(course.phase.kind)
         self._regrips += act is Act.RECLOSE
         if act is not Act.DONE:
             self._watch.note(self.time, f"phase {index}: {act.value}", "act")
@@ -214,9 +250,9 @@ class ClimbRun:
 
     def _settle(self, index: int, course: _Course, step: Callable[[float], None]) -> None:
         """Hold with both grippers, screws standing, and keep recording for a while."""
-        self._watch.note(self.time, course.why, "stop")
-        pose, joints, _ = course.reference.at(course.moved)
-        reference = Reference(joints[:3], np.zeros(3), joints[3], 0.0, np.ones(2, bool), course.radius)
+        pose, joints = course.reference.poses[course.moved], course.reference.joints[course.moved]
+        both, load = np.ones(2, bool), self._load(course)
+        reference = Reference(joints[:3], np.zeros(3), joints[3], 0.0, both, course.radius, load)
         for _ in range(round(SETTLE / CONTROL_STEP)):
             measured: Measurement = self._plant.measure()
             self._state, command, status = self._controller.step(self._state, reference, measured, CONTROL_STEP)
@@ -224,5 +260,5 @@ class ClimbRun:
             self._plant.advance(self._substeps)
             self._steps += 1
             if self._steps % SAMPLE_EVERY == 0:
-                self._watch.sample(self.time, index, Act.STOPPED, (True, True), pose, measured, status)
+                self._watch.sample(self.time, index, course.act, (True, True), pose, measured, status)
                 step(self.time)

@@ -10,13 +10,16 @@ Frames as in `robots.pipe_climber.grippers`: z along the pipe at a gripper, limb
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
+from steeplejack.robots.pipe_climber.bars import BAR, POST, ROD, YOKE
+from steeplejack.robots.pipe_climber.pads import pad_row
+from steeplejack.robots.pipe_climber.weights import BEHIND, BODY_SHARE, FRAME, linkage_height, linkage_mass
 from steeplejack.simulation.climber.solids import Array, Solid
 from steeplejack.simulation.engine import mujoco
 
@@ -29,17 +32,21 @@ RUBBER = 'solref="0.004 1.3" solimp="0.995 0.9995 0.001 0.5 2"'
 IMPRATIO = 300.0
 # [N/m], [N s/m] and [kg] of a jaw's drive.
 JAW_STIFFNESS, JAW_DAMPING, JAW_INERTIA = 4.0e4, 150.0, 0.1
-INSET = 1.5  # how far the middle of a pad lies inside the end of its jaw, in radii of the pad [1]
 SCREW_DAMPING, SERVO_DAMPING = 800.0, 1.5  # [N s/m], [N m s/rad]
-BODY_SHARE = 0.6  # of a cylinder's mass that is in its body, the rest in its rod
 PIPE, PADS, LIMBS = 1, 2, 4  # bits of what touches what: pads and limbs touch pipe and obstacles, not one another
-BAR = 0.005  # [m] radius of the linkage's bars
+LOAD = (0.1, 0.1, 0.04)  # [m] of a box with the payload's inertia
+PALM, RAIL = 0.003, 0.062  # [m] half of the palm's thickness, half of the length of the rails on it
 NO_TOUCH = 'contype="0" conaffinity="0"'
 COLOURS = {"pipe": "0.70 0.73 0.76 1", "obstacle": "0.80 0.36 0.10 1", "mark": "0.45 0.49 0.53 1"}
 
 
 def build(
-    robot: PipeClimber, layout: Layout, solids: Sequence[Solid], gravity: Array, friction: tuple[float, float]
+    robot: PipeClimber,
+    layout: Layout,
+    solids: Sequence[Solid],
+    gravity: Array,
+    friction: tuple[float, float],
+    payload: float = 0.0,
 ) -> Any:
     """Compile the scene.
 
@@ -49,11 +56,12 @@ def build(
         solids: Pipe and obstacles.
         gravity: Of the worksite (3,) [m/s2].
         friction: Of the lower and the upper gripper's pads on the pipe [1].
+        payload: At the middle of the upper gripper [kg].
 
     Returns:
         The compiled model.
     """
-    return mujoco.MjModel.from_xml_string(_xml(robot, layout, solids, gravity, friction))
+    return mujoco.MjModel.from_xml_string(_xml(robot, layout, solids, gravity, friction, payload))
 
 
 def _numbers(values: Any) -> str:
@@ -83,11 +91,11 @@ def _bar(ends: Sequence[float], radius: float, colour: str) -> str:
     )
 
 
-def _jaws(robot: PipeClimber, end: str, friction: float) -> str:
+def _jaws(robot: PipeClimber, end: str, friction: float, palm: float) -> str:
     """Two jaws that slide along X; the coordinate of each is how far its pads stand from the axis."""
     build, out = robot.build, list[str]()
     tall = 0.5 * build.jaw_length
-    y, z = 0.5 * build.jaw_width, 0.5 * build.jaw_length - INSET * build.pad_radius
+    y, z = 0.5 * build.jaw_width, pad_row(robot)
     for name, side in (("a", 1.0), ("b", -1.0)):
         pads = "".join(
             f'<geom class="pad" name="{end}_{name}{k}" pos="0 {sy * y:.6g} {sz * z:.6g}" '
@@ -99,7 +107,9 @@ def _jaws(robot: PipeClimber, end: str, friction: float) -> str:
             f'armature="{JAW_INERTIA}"/>'
             f"{_inertial(build.jaw_mass, (side * 0.012, 0, 0), (0.02, 0.04, 0.05))}{pads}"
             f'<geom type="box" class="looks" pos="{side * 0.010} 0 0" size="0.006 {y + 0.006:.4g} {tall:.4g}" '
-            f'rgba="0.20 0.22 0.25 1"/></body>'
+            f'rgba="0.20 0.22 0.25 1"/>'
+            f'<geom type="box" class="looks" pos="{side * 0.013} {-0.5 * palm:.6g} 0" '
+            f'size="0.004 {0.5 * palm:.6g} {0.4 * tall:.4g}" rgba="0.20 0.22 0.25 1"/></body>'
         )
     return "".join(out)
 
@@ -108,17 +118,17 @@ def _yoke(robot: PipeClimber, places: Array, colour: str) -> str:
     """A platform, open towards +X: two arms beside the pipe that carry limbs 1 and 2, a bar behind it for limb 3."""
     half, back = robot.linkage.half_width, float(places[2])
     arms = [
-        _bar((back, side * half, 0, max(float(place), 0.0), side * half, 0), 0.006, colour)
+        _bar((back, side * half, 0, max(float(place), 0.0), side * half, 0), YOKE, colour)
         for side, place in ((1.0, places[0]), (-1.0, places[1]))
     ]
-    return "".join(arms) + _bar((back, -half, 0, back, half, 0), 0.006, colour)
+    return "".join(arms) + _bar((back, -half, 0, back, half, 0), YOKE, colour)
 
 
 def _limb(robot: PipeClimber, layout: Layout, limb: int, inner: str) -> str:
     """Hinge at B_i, cylinder, rod; the slide's coordinate is q_i. Drawn upright, at q_i = 0."""
     y = (1.0, -1.0, 0.0)[limb] * robot.linkage.half_width
     number, mass, radius = limb + 1, robot.cylinders.mass, robot.build.limb_radius
-    body = robot.cylinders.reach[0] - 0.005
+    body = robot.cylinders.reach[0] - BEHIND
     return f"""
     <body name="cylinder{number}" pos="{_numbers((layout.base[limb], y, 0))}">
       <joint name="base{number}" type="hinge" axis="0 1 0"/>
@@ -127,45 +137,45 @@ def _limb(robot: PipeClimber, layout: Layout, limb: int, inner: str) -> str:
       <body name="rod{number}">
         <joint name="limb{number}" type="slide" axis="0 0 1" armature="{robot.build.screw_inertia}"/>
         {_inertial((1.0 - BODY_SHARE) * mass, (0, 0, -0.5 * body), (0.01, 0.01, body))}
-        {_bar((0, 0, -body, 0, 0, 0), 0.004, "0.85 0.87 0.90 1")}
+        {_bar((0, 0, -body, 0, 0, 0), ROD, "0.85 0.87 0.90 1")}
         <site name="rod{number}"/>
         {inner}
       </body>
     </body>"""
 
 
-def _upper(robot: PipeClimber, layout: Layout, friction: float) -> str:
-    """The upper platform, origin O2, hinged to rod 3 at P_3, with the upper gripper rigidly on it."""
+def _upper(robot: PipeClimber, layout: Layout, friction: float, payload: float, palm: float) -> str:
+    """The upper platform, origin O2, hinged to rod 3 at P_3, with the upper gripper and its payload rigidly on it."""
     build, half, places = robot.build, robot.linkage.half_width, layout.platform
     pins = "".join(f'<site name="pin{i + 1}" pos="{_numbers((places[i], (half, -half)[i], 0))}"/>' for i in (0, 1))
     grip = build.gripper_mass - 2.0 * build.jaw_mass
     offset, back = robot.linkage.claw_offset, float(places[2])
+    load = f'<body name="payload">{_inertial(payload, (0, 0, 0), LOAD)}</body>' if payload > 0.0 else ""
     return f"""
     <body name="upper_platform" pos="{_numbers((-back, 0, 0))}">
       <joint name="platform3" type="hinge" axis="0 1 0" pos="{_numbers((back, 0, 0))}"/>
       {_inertial(build.plate_mass, (0.5 * back, 0, 0), (-back, 2 * half, 0.012))}
       {_yoke(robot, places, "0.12 0.38 0.62 1")}{pins}
       <body name="upper_gripper" pos="{_numbers((0, 0, offset))}">
-        {_inertial(grip, (-0.03, 0, 0.01), (0.08, 0.06, 0.05))}
-        {_frame(robot)}
+        {_inertial(grip, (FRAME[0], 0, FRAME[1]), (0.08, 0.06, 0.05))}
+        {_frame(robot, palm)}
         <site name="upper"/>
-        {_jaws(robot, "upper", friction)}
+        {_jaws(robot, "upper", friction, palm)}{load}
       </body>
     </body>"""
 
 
-def _frame(robot: PipeClimber) -> str:
-    """What a gripper looks like: rails of its jaws on both sides of the pipe, joined behind it."""
-    far, side, half = 0.062, 0.046, 0.5 * robot.build.jaw_length
+def _frame(robot: PipeClimber, palm: float) -> str:
+    """The palm beside the pipe on -Y, which may touch nothing, and behind it the rails that jaws slide on."""
+    half, across = 0.5 * robot.build.jaw_length, palm * math.tan(robot.gait.palm)
+    colour = 'rgba="0.12 0.38 0.62 1"'
     rails = "".join(
-        f'<geom type="box" class="looks" pos="0 {s * side:.4g} {z:.4g}" size="{far} 0.003 0.003" '
-        f'rgba="0.12 0.38 0.62 1"/>'
-        for s in (-1, 1)
-        for z in (-half, half)
+        f'<geom type="box" class="looks" pos="0 {-palm - 3.0 * PALM:.6g} {z:.4g}" size="{RAIL} {PALM} 0.004" {colour}/>'
+        for z in (-0.6 * half, 0.6 * half)
     )
     return rails + (
-        f'<geom type="box" class="looks" pos="{-far} 0 0" size="0.004 {side} {half + 0.004:.4g}" '
-        f'rgba="0.12 0.38 0.62 1"/>'
+        f'<geom type="box" pos="0 {-palm - PALM:.6g} 0" size="{across:.6g} {PALM} {half:.6g}" mass="0" {colour} '
+        f'contype="{LIMBS}" conaffinity="{PIPE}"/>'
     )
 
 
@@ -197,35 +207,16 @@ def _linkage(robot: PipeClimber, plate: str) -> str:
       {_inertial(mass, (0, 0, 0), length)}{bar}{ends}</body>"""
 
 
-def linkage_height(robot: PipeClimber) -> float:
-    """Height of the linkage's plane over the lower gripper's origin [m]."""
-    return -(0.5 * robot.build.jaw_length + 0.020)
-
-
-def linkage_mass(robot: PipeClimber) -> float:
-    """What the other parts leave of the robot's mass [kg].
-
-    Raises:
-        InputError: Nothing is left.
-    """
-    build = robot.build
-    rest = robot.body.mass - 2.0 * (build.gripper_mass + build.plate_mass) - 3.0 * robot.cylinders.mass
-    if not (rest > 0.0 and build.gripper_mass > 2.0 * build.jaw_mass):
-        raise InputError("[build] masses", f"parts leave {rest:g} kg for the linkage", "parts lighter than the robot")
-    return rest
-
-
-def _lower(robot: PipeClimber, layout: Layout, friction: tuple[float, float]) -> str:
+def _lower(robot: PipeClimber, layout: Layout, friction: tuple[float, float], payload: float, palm: float) -> str:
     """The lower gripper and everything on it."""
     build, half, places = robot.build, robot.linkage.half_width, layout.base
     back = float(places.min())
-    limbs = "".join(
-        _limb(robot, layout, limb, _upper(robot, layout, friction[1]) if limb == 2 else "") for limb in range(3)
-    )
+    upper = _upper(robot, layout, friction[1], payload, palm)
+    limbs = "".join(_limb(robot, layout, limb, upper if limb == 2 else "") for limb in range(3))
     # The plate's body has its origin at pin E3; what it carries is told from O1.
     crank, z = robot.rcm.crank, linkage_height(robot)
     order = np.array([places[0], places[1], back])
-    posts = "".join(_bar((0, s * crank, z, 0, s * half, 0), 0.004, "0.12 0.38 0.62 1") for s in (1, -1))
+    posts = "".join(_bar((0, s * crank, z, 0, s * half, 0), POST, "0.12 0.38 0.62 1") for s in (1, -1))
     plate = f"""
       {_inertial(build.plate_mass, (0.5 * back, -crank, -z), (-back, 2 * half, 0.012))}
       <body name="O1" pos="{_numbers((0, -crank, -z))}">
@@ -234,10 +225,10 @@ def _lower(robot: PipeClimber, layout: Layout, friction: tuple[float, float]) ->
     grip = build.gripper_mass - 2.0 * build.jaw_mass
     return f"""
     <body name="lower_gripper"><freejoint name="root"/>
-      {_inertial(grip, (-0.03, 0, -0.01), (0.08, 0.06, 0.05))}
-      {_frame(robot)}
+      {_inertial(grip, (FRAME[0], 0, -FRAME[1]), (0.08, 0.06, 0.05))}
+      {_frame(robot, palm)}
       <site name="lower"/>
-      {_jaws(robot, "lower", friction[0])}{_linkage(robot, plate)}
+      {_jaws(robot, "lower", friction[0], palm)}{_linkage(robot, plate)}
     </body>"""
 
 
@@ -262,8 +253,15 @@ def _actuators(robot: PipeClimber) -> str:
 
 
 def _xml(
-    robot: PipeClimber, layout: Layout, solids: Sequence[Solid], gravity: Array, friction: tuple[float, float]
+    robot: PipeClimber,
+    layout: Layout,
+    solids: Sequence[Solid],
+    gravity: Array,
+    friction: tuple[float, float],
+    payload: float,
 ) -> str:
+    # The palm is set for the thickest pipe of the run.
+    palm = robot.gait.clearance + max(solid.radius for solid in solids if solid.kind == "pipe")
     loops = (("G3_end", "G2_upper"), ("G4_end", "G2_lower"), ("G4_middle", "E4"), ("rod1", "pin1"), ("rod2", "pin2"))
     closures = "".join(f'<connect site1="{a}" site2="{b}" {STIFF}/>' for a, b in loops)
     closures += "".join(f'<joint joint1="{e}_a" joint2="{e}_b" {STIFF}/>' for e in ("lower", "upper"))
@@ -292,7 +290,7 @@ def _xml(
   <worldbody>
     <light pos="3 -4 8" dir="-0.3 0.4 -0.8" directional="true" diffuse="0.4 0.4 0.4"/>
     {"".join(_solid(i, solid) for i, solid in enumerate(solids))}
-    {_lower(robot, layout, friction)}
+    {_lower(robot, layout, friction, payload, palm)}
   </worldbody>
   <equality>{closures}</equality>
   <actuator>{_actuators(robot)}</actuator>

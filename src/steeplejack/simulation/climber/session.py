@@ -12,6 +12,7 @@ import numpy as np
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
+from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import (
     EndRecord,
     PhaseRecord,
@@ -22,7 +23,7 @@ from steeplejack.runtime.climb_record import (
     triple,
 )
 from steeplejack.runtime.recorder import Recorder
-from steeplejack.simulation.climber.camera import ClimbPhotographer
+from steeplejack.simulation.climber.camera import Camera, Film, Strip
 from steeplejack.simulation.climber.pipe import lower_frame, radii, solids_of
 from steeplejack.simulation.climber.plant import ClimberPlant, Start
 from steeplejack.simulation.climber.run import ClimbRun
@@ -42,6 +43,7 @@ class ClimbSession:
         robot: The machine.
         layout: Hinges of its limbs.
         friction: Of the pads of the lower and the upper gripper on the pipe [1].
+        payload: On the upper gripper [kg].
     """
 
     plan: ClimbPlan
@@ -49,6 +51,7 @@ class ClimbSession:
     robot: PipeClimber
     layout: Layout
     friction: tuple[float, float]
+    payload: float = 0.0
 
     def plant(self) -> ClimberPlant:
         """The robot where the plan begins, in physics, both grippers closed.
@@ -59,14 +62,15 @@ class ClimbSession:
         if not self.plan.phases:
             raise InputError("plan", "no phases", "a plan that moves the robot")
         first = self.plan.phases[0]
-        start = Start(lower_frame(self.run, first), np.array(first.start), radii(self.run, first))
+        start = Start(lower_frame(self.run, first, pad_row(self.robot)), np.array(first.start), radii(self.run, first))
         gravity = np.array(self.run.gravity)
-        return ClimberPlant(self.robot, self.layout, solids_of(self.run), gravity, start, self.friction)
+        return ClimberPlant(self.robot, self.layout, solids_of(self.run), gravity, start, self.friction, self.payload)
 
     def simulate(
         self,
         log: Path,
         pictures: bool,
+        film: bool,
         step: Callable[[float], None],
         asked_to_stop: Callable[[], bool] = lambda: False,
     ) -> EndRecord:
@@ -75,30 +79,33 @@ class ClimbSession:
         Args:
             log: File to create.
             pictures: Whether to render pictures into it; where OpenGL cannot, the log has none and says so.
+            film: Whether to render a film into it, likewise.
             step: Called with the time [s] at each sample.
             asked_to_stop: The robot stops with both grippers closed when it says so.
 
         Returns:
             How it ended.
         """
-        recorder = Recorder(log)
-        photographer = None
+        recorder, camera = Recorder(log), None
         try:
             self._head(recorder)
             plant = self.plant()
             watch = Watch(plant, self.run, recorder)
-            if pictures:
-                try:
-                    photographer = ClimbPhotographer(plant, self.plan, PICTURES)
-                    watch.picture = photographer
-                except Exception as error:  # noqa: BLE001  # whatever OpenGL raises, a run without pictures is a run
-                    recorder.note(0.0, f"no pictures: {type(error).__name__}: {error}")
+            camera = _camera(plant, recorder) if pictures or film else None
+            reel = Film(camera, self.plan.duration) if camera is not None and film else None
+            if camera is not None and pictures:
+                watch.picture = Strip(camera, self.plan.duration, PICTURES)
+            if reel is not None:
+                watch.look = reel
             end = ClimbRun(self.plan, self.run, self.robot, self.layout, plant, watch, asked_to_stop).run(step)
+            shown = reel.finished(end.duration_s) if reel is not None else None
+            if shown is not None:
+                recorder.write("/film", shown, end.duration_s)
             recorder.write("/end", end, end.duration_s)
             return end
         finally:
-            if photographer is not None:
-                photographer.close()
+            if camera is not None:
+                camera.close()
             recorder.close()
 
     def _head(self, recorder: Recorder) -> None:
@@ -106,14 +113,24 @@ class ClimbSession:
         run, plan = self.run, self.plan
         solids = tuple(SolidRecord(one.kind, triple(one.start), triple(one.end), one.radius) for one in solids_of(run))
         head = RunRecord(
-            run.name, run.description, run.source, run.gravity, self.friction, solids, version("steeplejack")
-        )
+            run.name, run.description, run.source, run.gravity, self.friction, solids, version("steeplejack"),
+            self.payload,
+        )  # fmt: skip
         recorder.write("/run", head, 0.0)
         recorder.write("/robot", self.robot, 0.0)
         phases = tuple(_recorded(phase) for phase in plan.phases)
         recorder.write(
             "/plan", PlanRecord(phases, float(plan.duration), float(plan.reached_m), plan.complete, plan.blocked), 0.0
         )
+
+
+def _camera(plant: ClimberPlant, recorder: Recorder) -> Camera | None:
+    """A camera, or a note why there is none."""
+    try:
+        return Camera(plant)
+    except Exception as error:  # noqa: BLE001  # whatever OpenGL raises, a run without pictures is a run
+        recorder.note(0.0, f"no pictures: {type(error).__name__}: {error}")
+        return None
 
 
 def _recorded(phase: Phase) -> PhaseRecord:

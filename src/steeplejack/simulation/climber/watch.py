@@ -11,11 +11,13 @@ from steeplejack.control.climber import Act, Measurement, Status
 from steeplejack.control.climber.signals import Flags
 from steeplejack.planning.climb.plan import Phase
 from steeplejack.robots.pipe_climber.grippers import free_gripper
+from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
 from steeplejack.simulation.climber.pipe import frame_at
-from steeplejack.simulation.climber.plant import ENDS, ClimberPlant, Truth
+from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
+from steeplejack.simulation.climber.truth import ENDS, Truth
 from steeplejack.worksite.pipe_run import PipeRun
 
 HANGING = 0.02  # [m/s] of a gripper on a pipe: faster, and it falls
@@ -42,6 +44,7 @@ class Watch:
         self._middle = 0.5 * (truth.lower[:3, 3] + truth.upper[:3, 3])
         self._lower, self._speed = truth.lower[:3, 3], 0.0
         self.picture: Callable[[float], Picture | None] = lambda _time: None
+        self.look: Callable[[float], None] = lambda _time: None
 
     @property
     def hanging(self) -> bool:
@@ -60,7 +63,7 @@ class Watch:
         away = float(np.linalg.norm(wanted[:3, 3] - actual[:3, 3]))
         cosine = 0.5 * (np.trace(wanted[:3, :3].T @ actual[:3, :3]) - 1.0)
         s, pipe = ((phase.s_lower, phase.pipe_lower), (phase.s_upper, phase.pipe_upper))[end]
-        place = frame_at(self._run.pipe(pipe), s, 0.0)
+        place = frame_at(self._run.pipe(pipe), s, 0.0, pad_row(self._plant.robot))
         missed = float(np.linalg.norm((truth.lower, truth.upper)[end][:3, 3] - place[:3, 3]))
         turned = math.acos(min(1.0, max(-1.0, float(cosine))))
         record = GripRecord(at, index, ENDS[end], away, turned, missed, float(measured.grip[end]))
@@ -83,7 +86,7 @@ class Watch:
         new = set(truth.touching) - self._touching
         self.collisions += len(new)
         for first, second in sorted(new):
-            self.note(at, f"{first or 'a limb'} touches {second or 'a limb'}", "collision")
+            self.note(at, f"{first} touches {second}", "collision")
         self._touching = set(truth.touching)
         self._speed = float(np.linalg.norm(truth.lower[:3, 3] - self._lower)) / elapsed
         self._lower = truth.lower[:3, 3]
@@ -115,6 +118,7 @@ class Watch:
         self.samples.append(sample)
         if self._recorder is not None:
             self._recorder.write("/climb", sample, at)
+            self.look(at)
             picture = self.picture(at)
             if picture is not None:
                 self._recorder.write("/camera", picture, at)

@@ -1,0 +1,74 @@
+"""Where both grippers are in the world while one of them holds and the mechanism goes through poses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.planning.climb.collide import Solids, meets
+from steeplejack.planning.climb.grip import alone
+from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.plan import Hold
+from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
+from steeplejack.robots.pipe_climber.grippers import free_gripper
+from steeplejack.worksite.pipe_run import PipeRun
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+def gripper_frames(
+    run: PipeRun, machine: Machine, lower: tuple[str, float, float], start: Array, freedoms: Array, closed: Hold
+) -> tuple[Array, Array]:
+    """World frames (k, 4, 4) of the lower and the upper gripper.
+
+    Args:
+        run: Of pipes.
+        machine: What climbs.
+        lower: Pipe, place [m] and clock [rad] of the lower gripper when the mechanism is at ``start``.
+        start: (x, w, alpha, beta) then, (4,).
+        freedoms: Since, (k, 4) [m, m, rad, rad].
+        closed: The gripper that stays.
+    """
+    name, s, clock = lower
+    point, frame = run.pipe(name).chord(s, machine.row)
+    still = np.eye(4)
+    c, d = math.cos(clock), math.sin(clock)
+    still[:3, :3] = frame @ np.array([[c, -d, 0.0], [d, c, 0.0], [0.0, 0.0, 1.0]])
+    still[:3, 3] = point
+    chain = free_gripper(freedoms, machine.claw_offset)
+    if closed is not Hold.UPPER:
+        return np.broadcast_to(still, chain.shape), still @ chain
+    upper = still @ free_gripper(start, machine.claw_offset)
+    return upper @ np.linalg.inv(chain), np.broadcast_to(upper, chain.shape)
+
+
+def touching(solids: Solids, machine: Machine, lowers: Array, freedoms: Array, air: float, linkage: bool) -> Flags:
+    """Whether bars come nearer than ``air`` [m] to a solid, at frames (k, 4, 4) of the lower gripper, (k,).
+
+    Args:
+        solids: Of the run.
+        machine: What climbs.
+        lowers: Frames of the lower gripper.
+        freedoms: (k, 4) [m, m, rad, rad].
+        air: [m].
+        linkage: Whether the linkage's bars count; they swing open when the lower gripper changes pipes.
+    """
+    points, frames = lowers[:, :3, 3], lowers[:, :3, :3]
+    bars, radii = mechanism_bars(machine.robot, machine.layout, freedoms[:, :3])
+    found = meets(solids, points, frames, freedoms[:, 3:], bars, radii, air)[:, 0]
+    if linkage:
+        bars, radii = linkage_bars(machine.robot, freedoms[:, 3])
+        found |= meets(solids, points, frames, np.zeros((len(points), 1)), bars, radii, air)[:, 0]
+    return found
+
+
+def worst_use(
+    run: PipeRun, machine: Machine, lowers: Array, freedoms: Array, radii: tuple[float, float], holds: Hold
+) -> float:
+    """The most that the grip that holds alone is used on the way, see `grip.alone`."""
+    gravity = np.einsum("kij,i->kj", lowers[:, :3, :3], np.array(run.gravity))
+    both = np.broadcast_to(np.array(radii), (len(freedoms), 2))
+    return float(alone(machine, freedoms, gravity, both)[:, 1 if holds is Hold.UPPER else 0].max())

@@ -1,0 +1,229 @@
+"""What a gripper holds: friction on its eight pads against a force and a moment at once.
+
+Two jaws close along X of the gripper; each has four pads, at half the jaw's width to either side and near both ends of
+its length. A pad touches the pipe of radius r at clock phi from its jaw's way, ``sin phi = (width / 2) / (r + r_pad)``,
+pushes with N >= 0 along the radius and rubs with up to ``mu N`` within the pipe's surface. The drive closes both jaws
+by one gear and presses until the pads' normal forces add up to the gripper's force a jaw, so
+
+    sum_i s_i (f_i . x) = 2 F cos phi,    s = +1 on the jaw at +X, -1 on the other
+
+Pads' wrenches are then all mixtures of the points ``2 F cos phi w_g / (s_g f_g . x)``, w_g the wrench of one pad on an
+edge of its friction cone: a convex body that holds 0. A load w is held if -w lies in it, and how much of the grip it
+takes is the body's gauge
+
+    u(w) = min sum_g y_g   with   sum_g y_g v_g = -w,  y >= 0
+
+u <= 1 is the limit theorem of static friction (as of grasps: Han, Trinkle and Li, IEEE Trans. Robotics 16, 2000): no
+distribution of pad forces holds a load with u > 1. For a force along the pipe through its axis u is the ratio of
+needed to available friction of `statics.friction_needed`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber.parameters import PipeClimber
+
+Array = NDArray[np.float64]
+
+EDGES = 16
+"""Edges of the pyramids inside the friction cones; along and around the pipe they touch it, else 2 % are lost."""
+INSET = 1.5
+"""How far the middle of a pad lies inside the end of its jaw, in radii of the pad [1]."""
+ARTIFICIAL = 1e4
+"""Price of a wrench no pad gives, in the linear programme [1]."""
+MOST_PIVOTS = 300
+REFRESH = 400
+"""Loads after which a tableau is begun anew, before rounding gathers."""
+
+
+def pad_row(robot: PipeClimber) -> float:
+    """Distance of a row of pads from the gripper's middle along the pipe [m]."""
+    return max(0.0, 0.5 * robot.build.jaw_length - INSET * robot.build.pad_radius)
+
+
+def pad_clock(robot: PipeClimber, radius: float) -> float:
+    """phi, how far from the way of its jaw a pad touches a pipe of a radius [m]; in [rad].
+
+    Raises:
+        InputError: A pipe so thin that it would slip between the pads of one jaw.
+    """
+    reach, half = radius + robot.build.pad_radius, 0.5 * robot.build.jaw_width
+    if not reach > half:
+        raise InputError("pipe radius", f"{radius:g} m", f"above {half - robot.build.pad_radius:g} m")
+    return math.asin(half / reach)
+
+
+def grip_body(robot: PipeClimber, radius: float) -> Array:
+    """Corners of the set of wrenches that the pads of a closed gripper give.
+
+    Args:
+        robot: The machine; jaws, pads, force and friction.
+        radius: Of the pipe [m].
+
+    Returns:
+        (8 pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
+    """
+    phi, row, friction = pad_clock(robot, radius), pad_row(robot), robot.gripper.friction
+    edge = 2.0 * math.pi * np.arange(EDGES) / EDGES
+    points = np.empty((8, EDGES, 6))
+    jaws = robot.gripper.jaws * robot.gripper.force * math.cos(phi)
+    corners = [(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in (1.0, -1.0)]
+    for k, (jaw, side, end) in enumerate(corners):
+        normal = np.array([jaw * math.cos(phi), side * math.sin(phi), 0.0])
+        around, along = np.array([-normal[1], normal[0], 0.0]), np.array([0.0, 0.0, 1.0])
+        forces = normal + friction * (np.cos(edge)[:, None] * around + np.sin(edge)[:, None] * along)
+        place = radius * normal + np.array([0.0, 0.0, end * row])
+        wrenches = np.concatenate((np.cross(place, forces), forces), axis=-1)
+        points[k] = jaws * wrenches / (jaw * forces[:, :1])
+    return points.reshape(-1, 6)
+
+
+def grip_use(body: Array, loads: ArrayLike) -> Array:
+    """How much of a grip loads take: 0 none, 1 all of it, above 1 it slips or tilts.
+
+    Args:
+        body: As `grip_body` gives it.
+        loads: (moment; force) on the gripper at its middle, in its frame, (..., 6) [N m, N].
+
+    Returns:
+        u of the module's text, (...) [1]; NaN where a load is not finite.
+
+    Raises:
+        InputError: Not (..., 6) numbers.
+    """
+    given = np.asarray(loads, dtype=np.float64)
+    if given.ndim == 0 or given.shape[-1] != 6:
+        raise InputError("loads", f"shape {given.shape}", "(..., 6): moment and force")
+    scale, use = np.abs(body).max(axis=0), np.empty(given.size // 6)
+    flat = (given / scale).reshape(-1, 6)
+    size = np.abs(flat).max(axis=1)
+    _use(np.ascontiguousarray((body / scale).T), flat / np.where(size > 0.0, size, 1.0)[:, None], use)
+    return (size * use).reshape(given.shape[:-1])
+
+
+@njit(cache=True, error_model="numpy")
+def _use(columns: Array, loads: Array, use: Array) -> None:
+    """``grip_use``; columns (6, n), loads (k, 6), fills use (k,).
+
+    The simplex method, begun for each load at the basis that was best for the one before: its prices still hold, so
+    a few steps of the dual method lead to the new best one. Six more columns of the tableau carry the basis' inverse.
+    """
+    count = columns.shape[1]
+    table = np.empty((7, count + 7))
+    basis = np.full(6, -1, dtype=np.int64)
+    since = REFRESH
+    for k in range(loads.shape[0]):
+        if not np.isfinite(loads[k]).all():
+            use[k] = np.nan
+            continue
+        since += 1
+        if since < REFRESH and basis.min() >= 0:
+            for i in range(7):
+                table[i, count + 6] = 0.0
+                for j in range(6):
+                    table[i, count + 6] -= table[i, count + j] * loads[k, j]
+            if _dual(table, basis, count):
+                use[k] = -table[6, count + 6]
+                continue
+        since = 0
+        _begin(table, basis, columns, loads[k])
+        _primal(table, basis, count)
+        use[k] = 0.0
+        for i in range(6):
+            use[k] += table[i, count + 6] * (1.0 if basis[i] >= 0 else ARTIFICIAL)
+            if basis[i] < 0:
+                since = REFRESH
+        if since == 0:
+            _price(table, basis, columns)
+
+
+@njit(cache=True)
+def _begin(table: Array, basis: NDArray[np.int64], columns: Array, load: Array) -> None:
+    """The tableau with six artificial wrenches in the basis, at their price, signed so that the right side is >= 0."""
+    count = columns.shape[1]
+    table[6, :] = 0.0
+    table[6, :count] = 1.0
+    for i in range(6):
+        sign = -1.0 if load[i] > 0.0 else 1.0
+        for j in range(count):
+            table[i, j] = sign * columns[i, j]
+            table[6, j] -= ARTIFICIAL * table[i, j]
+        for j in range(6):
+            table[i, count + j] = sign if i == j else 0.0
+        table[i, count + 6] = abs(load[i])
+        basis[i] = -1
+
+
+@njit(cache=True)
+def _primal(table: Array, basis: NDArray[np.int64], count: int) -> None:
+    """Steps of the simplex method from a basis that can be."""
+    for _ in range(MOST_PIVOTS):
+        enter = int(np.argmin(table[6, :count]))
+        if table[6, enter] > -1e-9:
+            return
+        leave, least = -1, np.inf
+        for i in range(6):
+            if table[i, enter] > 1e-10:
+                ratio = table[i, count + 6] / table[i, enter]
+                if ratio < least - 1e-13 or (ratio < least + 1e-13 and basis[i] < 0):
+                    leave, least = i, ratio
+        if leave < 0:
+            return
+        _pivot(table, leave, enter)
+        basis[leave] = enter
+
+
+@njit(cache=True)
+def _price(table: Array, basis: NDArray[np.int64], columns: Array) -> None:
+    """Reduced costs anew from the basis' inverse, without the artificial price and what it cost in digits."""
+    count = columns.shape[1]
+    for j in range(6):
+        table[6, count + j] = 0.0
+        for i in range(6):
+            table[6, count + j] -= table[i, count + j]
+    for j in range(count):
+        table[6, j] = 1.0
+        for i in range(6):
+            table[6, j] += table[6, count + i] * columns[i, j]
+    for i in range(6):
+        table[6, basis[i]] = 0.0
+
+
+@njit(cache=True)
+def _dual(table: Array, basis: NDArray[np.int64], count: int) -> bool:
+    """Steps of the dual simplex method; False where they do not end well."""
+    for _ in range(MOST_PIVOTS):
+        leave = int(np.argmin(table[:6, count + 6]))
+        if table[leave, count + 6] > -1e-10:
+            return True
+        enter, least = -1, np.inf
+        for j in range(count):
+            if table[leave, j] < -1e-9:
+                ratio = table[6, j] / -table[leave, j]
+                if ratio < least:
+                    enter, least = j, ratio
+        if enter < 0:
+            return False
+        _pivot(table, leave, enter)
+        basis[leave] = enter
+    return False
+
+
+@njit(cache=True)
+def _pivot(table: Array, row: int, column: int) -> None:
+    """Bring a column into the basis in place of that of a row."""
+    by = 1.0 / table[row, column]
+    for j in range(table.shape[1]):
+        table[row, j] *= by
+    for i in range(table.shape[0]):
+        if i != row:
+            factor = table[i, column]
+            if factor != 0.0:
+                for j in range(table.shape[1]):
+                    table[i, j] -= factor * table[row, j]

@@ -1,0 +1,97 @@
+"""How the robot in physics really is; for the log and for tests, never for the controller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from steeplejack.simulation.climber.solids import Array
+
+ENDS = ("lower", "upper")
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Where everything is and what presses on what.
+
+    Attributes:
+        lower: Homogeneous transform of the lower gripper in the world (4, 4).
+        upper: Of the upper gripper (4, 4).
+        forces: Of the cylinders, positive when pushing (3,) [N].
+        normal: Sum of the pads' normal forces of each gripper (2,) [N].
+        friction: What the pads' friction adds up to on each gripper, along its z axis and around it (2, 2) [N].
+        touching: Pairs of geoms that touch and should not.
+    """
+
+    lower: Array
+    upper: Array
+    forces: Array
+    normal: Array
+    friction: Array
+    touching: tuple[tuple[str, str], ...]
+
+
+class Eyes:
+    """Reads the truth out of a model.
+
+    Args:
+        model: The compiled scene.
+        data: Its state.
+    """
+
+    def __init__(self, model: Any, data: Any) -> None:
+        self._model, self._data = model, data
+        self._sites = np.array([int(model.site(end).id) for end in ENDS])
+        self._gripper = np.full(model.ngeom, -1)  # of which gripper a geom is a pad
+        for i, end in enumerate(ENDS):
+            self._gripper[[int(model.geom(f"{end}_{jaw}{k}").id) for jaw in "ab" for k in range(4)]] = i
+        names = [model.geom(k).name for k in range(model.ngeom)]
+        self._names = [name or "a limb" for name in names]
+        self._obstacle = np.array([name.startswith("obstacle") for name in names])
+
+    def pads(self, gripper: int) -> NDArray[np.int64]:
+        """Geoms that are pads of a gripper (8,)."""
+        return np.flatnonzero(self._gripper == gripper)
+
+    def frames(self) -> Array:
+        """Places and axes by rows of the grippers in the world (2, 12) [m, 1]."""
+        return np.concatenate((self._data.site_xpos[self._sites], self._data.site_xmat[self._sites]), axis=1)
+
+    def __call__(self) -> Truth:
+        """The truth now."""
+        frames = self.frames()
+        normal, friction, touching = self._contacts(frames)
+        lower, upper = (_transform(frame) for frame in frames)
+        return Truth(lower, upper, self._data.actuator_force[:3].copy(), normal, friction, touching)
+
+    def _contacts(self, frames: Array) -> tuple[Array, Array, tuple[tuple[str, str], ...]]:
+        """Normal forces and friction of the pads, and what touches that should not."""
+        contact, normal, friction = self._data.contact, np.zeros(2), np.zeros((2, 2))
+        pressing = contact.exclude == 0  # the others are too far apart
+        geoms, address = contact.geom[pressing], contact.efc_address[pressing]
+        gripper = self._gripper[geoms].max(axis=1)
+        wrong = (gripper < 0) | self._obstacle[geoms].any(axis=1)
+        touching = tuple((self._names[a], self._names[b]) for a, b in geoms[wrong])
+        axes, places = contact.frame[pressing].reshape(-1, 3, 3), contact.pos[pressing]
+        pushed = np.where(self._gripper[geoms[:, 1]] >= 0, 1.0, -1.0)  # the force is that on the second geom
+        for i in range(2):
+            mine = ~wrong & (gripper == i)
+            if not mine.any():
+                continue
+            force = self._data.efc_force[address[mine, None] + np.arange(3)]  # elliptic cones: along the axes
+            normal[i] = force[:, 0].sum()
+            rubbing = pushed[mine, None] * np.einsum("ck,ckj->cj", force[:, 1:], axes[mine, 1:])
+            z = frames[i, 5::3]
+            around = np.cross(z, places[mine] - frames[i, :3])
+            around /= np.maximum(np.linalg.norm(around, axis=1, keepdims=True), 1e-9)
+            friction[i] = rubbing.sum(axis=0) @ z, (rubbing * around).sum()
+        return normal, friction, touching
+
+
+def _transform(frame: Array) -> Array:
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = frame[3:].reshape(3, 3), frame[:3]
+    return out

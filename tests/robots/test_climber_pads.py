@@ -1,0 +1,86 @@
+"""Grips on eight pads: use of a grip against the same programme by HiGHS, closed forms, and what no pads can do."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from steeplejack.errors import InputError
+from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
+from steeplejack.robots.pipe_climber.grippers import free_gripper
+from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, pad_clock, pad_row
+from steeplejack.robots.pipe_climber.statics import friction_needed
+from steeplejack.robots.pipe_climber.weights import first_moments, grip_loads
+
+ROBOT = load_pipe_climber()
+LAYOUT = Layout.of(ROBOT)
+RADIUS = 0.03
+BODY = grip_body(ROBOT, RADIUS)
+
+
+def by_highs(body: np.ndarray, load: np.ndarray) -> float:
+    found = linprog(np.ones(len(body)), A_eq=body.T, b_eq=-load, bounds=(0.0, None))
+    assert found.status == 0
+    return float(found.fun)
+
+
+def test_use_is_that_of_highs(rng: np.random.Generator):
+    loads = rng.normal(size=(60, 6)) * [0.8, 0.8, 0.8, 12.0, 12.0, 12.0]
+    loads[20:40] = loads[20] + 0.02 * loads[20:40]  # near one another, so that one basis leads to the next
+    np.testing.assert_allclose(grip_use(BODY, loads), [by_highs(BODY, one) for one in loads], rtol=1e-6)
+
+
+def test_along_the_pipe_it_is_the_closed_form_and_about_it_no_more():
+    for axial in (19.62, -19.62):
+        needed = friction_needed(ROBOT.gripper, axial) / ROBOT.gripper.friction
+        assert float(grip_use(BODY, [0.0, 0.0, 0.0, 0.0, 0.0, axial])) == pytest.approx(needed, rel=1e-9)
+    # A torque draws the pipe between the pads of each jaw, which then press more than the closed form counts on.
+    needed = friction_needed(ROBOT.gripper, 0.0, 0.4, RADIUS) / ROBOT.gripper.friction
+    assert 0.8 * needed < float(grip_use(BODY, [0.0, 0.0, 0.4, 0.0, 0.0, 0.0])) < needed
+    assert float(grip_use(BODY, np.zeros(6))) == 0.0
+
+
+def test_use_is_a_gauge(rng: np.random.Generator):
+    a, b = rng.normal(size=(2, 30, 6)) * [0.5, 0.5, 0.5, 10.0, 10.0, 10.0]
+    np.testing.assert_allclose(grip_use(BODY, 3e-6 * a), 3e-6 * grip_use(BODY, a), rtol=1e-7)
+    assert (grip_use(BODY, a + b) <= grip_use(BODY, a) + grip_use(BODY, b) + 1e-7).all()
+    # Both jaws, all four pads and both ways along the pipe are alike.
+    for signs in ((1, -1, -1, 1, -1, -1), (-1, 1, -1, -1, 1, -1), (-1, -1, 1, -1, -1, 1), (1, -1, -1, -1, 1, 1)):
+        np.testing.assert_allclose(grip_use(BODY, a * signs), grip_use(BODY, a), rtol=1e-6)
+
+
+def test_tilting_alone_is_borne_by_pads_at_both_ends():
+    """A moment about Y: normals of opposite pads two rows apart, and friction along the pipe with them."""
+    smooth = msgspec.structs.replace(ROBOT, gripper=msgspec.structs.replace(ROBOT.gripper, friction=1e-9))
+    most = 2.0 * pad_row(ROBOT) * ROBOT.gripper.force * math.cos(pad_clock(ROBOT, RADIUS))
+    assert float(grip_use(grip_body(smooth, RADIUS), [0.0, most, 0.0, 0.0, 0.0, 0.0])) == pytest.approx(1.0, rel=1e-6)
+    assert float(grip_use(BODY, [0.0, most, 0.0, 0.0, 0.0, 0.0])) < 1.0
+    assert float(grip_use(grip_body(smooth, RADIUS), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0])) > 1e3
+
+
+def test_loads_are_the_weight_at_the_middle_of_mass(rng: np.random.Generator):
+    freedoms = np.column_stack((
+        rng.uniform(-0.02, 0.02, 8), rng.uniform(0.15, 0.2, 8), rng.uniform(-0.4, 0.4, 8), rng.uniform(-0.5, 0.5, 8),
+    ))  # fmt: skip
+    gravity = rng.normal(size=(8, 3))
+    mass, moment = first_moments(ROBOT, LAYOUT, freedoms, 0.3)
+    assert mass == pytest.approx(ROBOT.body.mass + 0.3)
+    loads, uppers = grip_loads(ROBOT, LAYOUT, freedoms, gravity, 0.3), free_gripper(freedoms, 0.0)
+    for k in range(8):
+        turn, place = uppers[k, :3, :3], uppers[k, :3, 3]
+        np.testing.assert_allclose(loads[k, 0, :3], np.cross(moment[k], gravity[k]), atol=1e-12)
+        np.testing.assert_allclose(turn @ loads[k, 1, 3:], mass * gravity[k], atol=1e-12)
+        about = np.cross(moment[k] / mass - place, mass * gravity[k])
+        np.testing.assert_allclose(turn @ loads[k, 1, :3], about, atol=1e-12)
+
+
+def test_bad_input_is_refused_or_not_a_number():
+    assert np.isnan(grip_use(BODY, [math.nan, 0.0, 0.0, 0.0, 0.0, 1.0]))
+    with pytest.raises(InputError, match="moment and force"):
+        grip_use(BODY, np.zeros(3))
+    with pytest.raises(InputError, match="pipe radius"):
+        grip_body(ROBOT, 0.005)

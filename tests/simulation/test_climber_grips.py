@@ -1,0 +1,71 @@
+"""What grips bear, where masses are and where bars are: the robot's formulas against the physics built separately."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hung_climber import LAYOUT, ROBOT, hung
+
+from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
+from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
+from steeplejack.robots.pipe_climber.weights import first_moments, grip_loads
+from steeplejack.simulation.climber.plant import ClimberPlant, Start
+from steeplejack.simulation.climber.solids import Solid
+
+pytestmark = pytest.mark.long
+
+RADIUS = 0.03
+POSE = (0.0, 0.17, 0.0, 0.0)
+PIPES = {"lower": (-0.5, 0.06), "upper": (0.11, 2.0)}  # so short that the open gripper finds nothing to rest on
+
+
+def tilted(lean: float, clock: float) -> np.ndarray:
+    """Gravity on a pipe that leans, toward a clock of the robot."""
+    return 9.81 * np.array([math.sin(lean) * math.cos(clock), math.sin(lean) * math.sin(clock), -math.cos(lean)])
+
+
+def moved(end: str, gravity: np.ndarray) -> float:
+    """How far a gripper that holds alone has moved on its pipe after 0.75 s [m]."""
+    low, high = PIPES[end]
+    pipe = Solid("pipe", "capsule", np.array([0.0, 0.0, low]), np.array([0.0, 0.0, high]), RADIUS)
+    start = Start(np.eye(4), np.array(POSE), np.full(2, RADIUS), (end == "lower", end == "upper"))
+    plant = ClimberPlant(ROBOT, LAYOUT, [pipe], gravity, start, (ROBOT.gripper.friction,) * 2)
+    before = getattr(plant.truth(), end).copy()
+    plant.advance(1500)
+    return float(np.linalg.norm(getattr(plant.truth(), end)[:3, 3] - before[:3, 3]))
+
+
+@pytest.mark.parametrize(("end", "clock"), [("lower", 0.5 * math.pi), ("upper", 0.5 * math.pi), ("upper", 0.9)])
+def test_a_grip_slips_in_physics_where_its_use_passes_one(end: str, clock: float):
+    leans = np.linspace(0.0, 0.5 * math.pi, 181)
+    loads = np.array([grip_loads(ROBOT, LAYOUT, np.array(POSE), tilted(lean, clock)) for lean in leans])
+    use = grip_use(grip_body(ROBOT, RADIUS), loads[:, 0 if end == "lower" else 1])
+    held, lost = leans[np.flatnonzero(use < 0.93)[-1]], leans[int(np.argmax(use))]
+    assert moved(end, tilted(float(held), clock)) < 3e-4
+    if use.max() > 1.07:
+        assert moved(end, tilted(float(lost), clock)) > 1e-3
+
+
+@pytest.mark.parametrize("pose", [(0.0, 0.15, 0.0, 0.0), (0.0, 0.2, 0.0, 0.4), (0.02, 0.17, 0.15, -0.3)])
+def test_masses_and_bars_are_where_the_physics_has_them(pose: tuple[float, float, float, float]):
+    plant = hung((True, True), pose)
+    lower = plant.truth().lower
+    mass, moment = first_moments(ROBOT, LAYOUT, np.array(pose))
+    middle = lower[:3, :3].T @ (plant.data.subtree_com[1] - lower[:3, 3])
+    np.testing.assert_allclose(moment / mass, middle, atol=5e-4)
+    c, s = math.cos(pose[3]), math.sin(pose[3])
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    mechanism, radii = mechanism_bars(ROBOT, LAYOUT, pose[:3])
+    ring, thick = linkage_bars(ROBOT, pose[3])
+    bars = np.concatenate((mechanism[0] @ turn.T, ring[0])) @ lower[:3, :3].T + lower[:3, 3]
+    model, data = plant.model, plant.data
+    capsules = [k for k in range(model.ngeom) if model.geom_type[k] == 3 and model.geom_bodyid[k] > 0]
+    half = np.array([model.geom_size[k, 1] * data.geom_xmat[k].reshape(3, 3)[:, 2] for k in capsules])
+    ends = np.stack((data.geom_xpos[capsules] - half, data.geom_xpos[capsules] + half), axis=1)
+    assert len(capsules) == len(bars)
+    for bar, radius in zip(bars, np.concatenate((radii, thick)), strict=True):
+        away = [min(np.abs(one - bar).max(), np.abs(one[::-1] - bar).max()) for one in ends]
+        assert min(away) < 2e-3
+        assert model.geom_size[capsules[int(np.argmin(away))], 0] == pytest.approx(radius)

@@ -1,0 +1,48 @@
+"""What makes each built-in run of pipes hard, in physics: plans run where the robot passes it, at mu = 0.3."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hung_climber import LAYOUT, ROBOT, nothing
+
+from steeplejack.planning.climb import ClimbPlan, plan_climb
+from steeplejack.simulation.climber.run import ClimbRun
+from steeplejack.simulation.climber.session import ClimbSession
+from steeplejack.simulation.climber.watch import Watch
+from steeplejack.worksite.pipe_builtin import load_pipe
+
+pytestmark = pytest.mark.long
+
+
+def stretch(plan: ClimbPlan, first: float, last: float) -> ClimbPlan:
+    """The part of a plan from where the upper gripper is at a place of the pipe to where the lower one is [m]."""
+    phases = plan.phases
+    begins = next(i for i, one in enumerate(phases) if one.s_upper >= first and one.kind.startswith("release"))
+    ends = next(
+        i for i, one in enumerate(phases) if i > begins and one.s_lower >= last and one.kind.startswith("release")
+    )
+    return replace(plan, phases=phases[begins:ends])
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "last"),
+    [("flange", 0.28, 0.42), ("clock-obstacle", 0.28, 0.42), ("around", 0.24, 0.40), ("bend-300", 0.33, 0.40)],
+)
+def test_the_hard_part_is_climbed_within_a_millimetre_and_half_a_degree(name: str, first: float, last: float) -> None:
+    run = load_pipe(name)
+    plan = stretch(plan_climb(run, ROBOT), first, last)
+    mu = ROBOT.gripper.friction
+    plant = ClimbSession(plan, run, ROBOT, LAYOUT, (mu, mu)).plant()
+    watch = Watch(plant, run, None)
+    end = ClimbRun(plan, run, ROBOT, LAYOUT, plant, watch).run(nothing)
+    assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
+    closed = [grip for grip in watch.grips if grip.phase > 0]
+    assert len(closed) == sum(one.kind.startswith("grip") for one in plan.phases)
+    assert max(grip.error_m for grip in closed) < 1e-3
+    assert max(grip.place_error_m for grip in closed) < 1e-3
+    assert max(grip.error_rad for grip in closed) < math.radians(0.5)
+    turned = max(abs(sample.reference[3]) for sample in watch.samples)
+    assert (turned > 0.1) is (name in ("clock-obstacle", "around"))
