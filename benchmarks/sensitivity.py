@@ -1,6 +1,6 @@
 """One-at-a-time sensitivity of the tracking accuracy to the estimates of the robot file: physics, sensors, gains.
 
-Runs one small mission with a squad move (stays 5:7 of the built-in default bay, 24-34 m, two stances) once as the robot
+Runs one small mission with a squad move (stays 5:7 of the built-in default bay, 30-50 m, two stances) once as the robot
 file stands and once per variation, and prints a Markdown table. The machine is varied; plan, controller and safety go
 on believing the file, so a row says what a wrong estimate costs. Only the controller's own gains are varied where they
 are used. About forty minutes on one core.
@@ -71,7 +71,7 @@ def main() -> None:
     bridge, squad = load_worksite("ecs620-like"), load_squad()
     assert isinstance(bridge, Bridge)
     bay, rules = Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad), Rules(tension=(20.0, 250.0), cell_length=5.0)
-    request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 24.0, 34.0, "under", 0.0, rules.tension)
+    request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 50.0, "under", 0.0, rules.tension)
     mission = plan(Scene.of(bay, squad, rules, np.array(bridge.gravity)), request, (), lambda _done: None)
     print("| parameter | along [mm] | across [mm] | stand-off [mm] | absolute mean, max [mm] | slip margin | run |")
     print("| --- | ---: | ---: | ---: | ---: | ---: | --- |")
