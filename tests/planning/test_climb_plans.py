@@ -241,3 +241,8 @@ def test_a_replay_sees_what_is_wrong():
     weak = changed(ROBOT, "cylinders", force=1.0)
     assert any("force" in fault for fault in faults(plan, run, weak))
     assert faults(replace(plan, phases=plan.phases[:-1]), run, ROBOT)
+
+
+def test_a_load_no_cylinder_lifts_is_refused_by_name() -> None:
+    plan = plan_climb(load_pipe("straight-vertical"), ROBOT, payload_kg=6.0)
+    assert plan.blocked is not None and "force of 50 N" in plan.blocked

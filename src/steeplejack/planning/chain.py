@@ -7,8 +7,10 @@ planned, what came of it is kept, and so on until the best chain is planned thro
 Srinivasa, ICAPS 2016). Objective, in this order: stations missed, least slip margin in steps of 0.01, metres driven.
 
 What a move between two stances came to is taken to be the same wherever the platform starts from, until it is planned
-from there. Moves to one cell are limited in number. Where they run out and stations are missed that could be held, the
-chain that takes in each cell the stance that holds most is planned as well, and the better is taken.
+from there; one that failed is not planned again. So the answer is the best of these candidates as far as that holds,
+and no more than ``moves`` different moves to a cell are planned. Where they run out and stations are missed that
+could be held, the chain that takes in each cell the stance that holds most is planned as well, and the better is
+taken.
 """
 
 from __future__ import annotations

@@ -182,11 +182,12 @@ def _advance(
         legs.append(flight(scene, stance, places, number, "inspect", scene.bay.stays[k].id))
         place = places[-1]
         seen[row, first : last + 1] = True
-    whole = joined(scene, (*state.legs, *legs))
-    if whole is None:
+    last = state.legs[-1:]  # what comes before it is joined already
+    added = joined(scene, (*last, *legs))
+    if added is None:
         return None
-    least = min(AMPLE, least_margin(scene, whole[len(state.legs) :]))
-    return _Progress(stance, place, number, whole), seen, least
+    added = added[len(last) :]
+    return _Progress(stance, place, number, (*state.legs, *added)), seen, min(AMPLE, least_margin(scene, added))
 
 
 def _reasons(scene: Scene, cell: Cell, lattice: Lattice) -> list[Uncovered]:

@@ -80,7 +80,8 @@ def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, numbe
     s, clock = np.tile(after.base_s_m, (len(share), 1)), np.tile(np.radians(after.base_clock_deg), (len(share), 1))
     anchors, pull = scene.anchors(s[0], clock[0])
     target = np.asarray(before.tension_n) + share[:, None] * change
-    if not meets(scene, hold(scene, anchors, pull, places, target).quality, ROUNDING).all():
+    held = hold(scene, anchors, pull, places, target)
+    if not meets(scene, held.quality, ROUNDING).all():
         return None
     waypoints = _waypoints(scene, most * share, places, points, anchors, pull, s, clock, target)
     return Leg("brace", number, None, None, BRACE_SPEED, BRACE_SPEED, waypoints)

@@ -88,7 +88,7 @@ def climb_relaxed(problem: Problem, payload: float) -> Found | None:
     """The climb of a changed problem; None where it makes no sense."""
     try:
         return climb(problem[0], Machine.of(problem[1], payload), COARSE)
-    except (SteeplejackError, ValueError):
+    except SteeplejackError:
         return None
 
 

@@ -79,7 +79,8 @@ def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tu
     poses[coaxial, :, 0] = poses[coaxial, :, 2] = 0.0
     across = g[:, None, 0] * cos + g[:, None, 1] * sin
     pulls = np.stack((across, np.broadcast_to(g[:, None, 2], across.shape)), axis=-1)
-    kept = margins(machine, poses.reshape(-1, 3), pulls.reshape(-1, 2)).reshape(len(p), 2, -1)
+    flat = margins(machine, poses.reshape(-1, 3), pulls.reshape(-1, 2))
+    kept = flat.reshape(len(p), 2, flat.shape[-1])  # there may be none: a load that no cylinder lifts
     if coaxial.any():
         worst = margins(machine, poses[coaxial, 0], pulls[coaxial, 0], np.hypot(g[:, 0], g[:, 1])[coaxial])
         kept[coaxial] = worst[:, None]

@@ -64,7 +64,7 @@ def loads_figure(log: ClimbLog) -> str:
         margin.axhline(0.0, color=VERMILION, lw=0.9, ls=DASHES)
         margin.set(ylabel="[1]", ylim=(min(-0.05, 1.1 * _least(samples.margin)), 1.0), xlabel="time [s]")
         margin.set_xlim(0.0, max(float(samples.time[-1]), 1e-9))
-        margin.set_title("friction margin of the grippers that hold, 1 - friction used / friction there is")
+        margin.set_title("friction left to the grippers that hold, along and around the pipe (tilting not counted)")
         return svg(figure, "loads")
 
 

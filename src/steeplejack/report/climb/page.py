@@ -101,7 +101,7 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
         ("speed of the bound", number(_share(analysis), 0), "%", f"bound {number(1e3 * analysis.bound, 2)} mm/s"),
         ("energy", number(analysis.energy, 1), "J", "put in by cylinders and servo"),
         ("largest force", number(summary.max_actuator_force_n), "N", "of a cylinder"),
-        ("least friction margin", number(analysis.least_margin, 2), "",
+        ("least friction left, tilting not counted", number(analysis.least_margin, 2), "",
          f"{('lower', 'upper')[gripper]} gripper, {clock(when)}"),
         ("least transmission", number(summary.min_transmission, 2), "", "local index, along the climb"),
         ("error at gripping", number(1e3 * away, 2), "mm", f"{number(math.degrees(turned), 2)}° at most"),
