@@ -25,8 +25,6 @@ Array = NDArray[np.float64]
 
 BALANCED = 1e-6
 """Force left over an equilibrium, of the weight, and moment, of the weight at the attachments' radius [1]."""
-TURNED = np.deg2rad(90.0)
-"""Most that the platform may be turned from the bay's frame, for its camera to face the stays; estimate [rad]."""
 
 
 @dataclass(frozen=True)
@@ -183,8 +181,8 @@ def certify(
         own: Boundary stay of each base (4,).
 
     Returns:
-        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 6): room [N], -inf where nothing balances within
-        `TURNED` of the guess, least pivot of the Hessian at
+        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 6): room [N], -inf where nothing
+        balances, least pivot of the Hessian at
         locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m], longest cable [m],
         dexterity in the plane of the cables [1].
     """
@@ -200,7 +198,7 @@ def certify(
             stiff[i] = cable_stiffness / lengths[i]
             ends[i] = points[j] + rotation @ attachments[i]
         hessian = statics.stiffness(attachments, weight, centre, rotation, u, lengths, t, stiff)
-        if not _settled(u, t, attachments, weight, centre, rotation, guess):
+        if not _settled(u, t, attachments, weight, centre, rotation):
             room = -np.inf
         quality[j, 0] = room
         quality[j, 1] = statics.least_pivot(hessian)
@@ -215,17 +213,15 @@ def certify(
 
 
 @njit(cache=True)
-def _settled(
-    u: Array, tension: Array, attachments: Array, weight: Array, centre: Array, rotation: Array, frame: Array
-) -> bool:
-    """Whether forces and moments balance (the search for the orientation may end short of it) about upright."""
+def _settled(u: Array, tension: Array, attachments: Array, weight: Array, centre: Array, rotation: Array) -> bool:
+    """Whether forces and moments balance; the search for the orientation may end short of it."""
     force, moment = weight.copy(), np.cross(rotation @ centre, weight)
     for i in range(4):
         force += tension[i] * u[i]
         moment += np.cross(rotation @ attachments[i], tension[i] * u[i])
     size, radius = np.linalg.norm(weight), np.sqrt(np.max(np.sum(attachments**2, axis=1)))
     balanced = np.linalg.norm(force) <= BALANCED * size and np.linalg.norm(moment) <= BALANCED * size * radius
-    return balanced and np.sum(rotation * frame) >= 1.0 + 2.0 * np.cos(TURNED)  # the trace of the turn between them
+    return bool(balanced)
 
 
 @dataclass(frozen=True)
@@ -298,7 +294,7 @@ def binding(scene: Scene, anchors: Array, pull: Array, place: Array) -> str:
         return "none"
     room, least, cables, body, longest, dexterity = held.quality[0]
     if not np.isfinite(room):
-        return f"the cables do not balance the weight in space within {np.degrees(TURNED):.0f} deg of facing the stays"
+        return "the four cables do not balance the weight in space"
     if room < 0.0:
         point = scene.bay.place(place[0], place[1], place[2])
         u, _lengths = statics.directions(anchors, scene.attachments, point, held.rotation[0])
