@@ -1,10 +1,15 @@
-"""The bytes of a file somebody hands in: from a regular file of a sane size, or one clear line about why not."""
+"""What a file somebody hands in says: its bytes and its TOML, or one clear line about why not."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeVar
+
+import msgspec
 
 from steeplejack.errors import InputError
+
+Kind = TypeVar("Kind")
 
 MOST_BYTES = 1 << 20
 """A robot of a thousand cables takes a tenth of it; parsers take seconds for twenty times as much."""
@@ -37,6 +42,29 @@ def read_source(path: str | Path, valid: str, most: int = MOST_BYTES) -> bytes:
     if len(content) > most:
         raise InputError(where, f"more than {most} bytes", valid)
     return content.removeprefix(b"\xef\xbb\xbf")
+
+
+def decode_toml(content: bytes, kind: type[Kind], where: str, valid: str) -> Kind:
+    """Decode TOML, checked field by field.
+
+    Args:
+        content: Of the file.
+        kind: What it should say.
+        where: Its name, for the message.
+        valid: What would be valid, for the message.
+
+    Raises:
+        InputError: Nothing in it, not TOML, or a field that cannot be used; the message gives its path.
+    """
+    where = shortened(where)
+    if not content.strip():
+        raise InputError(where, "an empty file", valid)
+    try:
+        return msgspec.toml.decode(content, type=kind)
+    except InputError as error:
+        raise InputError(f"{where}, {shortened(error.where)}", shortened(error.what), error.valid) from None
+    except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:  # the last three of its parser
+        raise InputError(where, shortened(str(error)), valid) from None
 
 
 def shortened(text: str) -> str:

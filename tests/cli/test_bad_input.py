@@ -57,7 +57,7 @@ ROBOTS = {
     "window upside down": (ROBOT.replace("tension = [20.0, 250.0]", "tension = [250.0, 20.0]"), ("upside down",)),
     "text in a number": (ROBOT.replace("spacing = 0.6 ", 'spacing = "wide" '), ("$.base.spacing",)),
     "value without a source": (ROBOT.replace('hold_force = "Table IV', 'held = "Table IV'), ("held", "$.base")),
-    "empty": ("", ("missing required field",)),
+    "empty": ("", ("an empty file",)),
     "no TOML": ("mass: 17.7", ("see the built-in",)),
 }
 

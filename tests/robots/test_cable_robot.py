@@ -304,10 +304,10 @@ def test_a_file_no_reader_can_take(tmp_path, content):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "missing required field `name`"),
+        (b"", "an empty file"),
         (bytes(range(256)), "can't decode"),
         (b"\0" * 1000, "Invalid statement"),
-        (b"\xef\xbb\xbf", "missing required field `name`"),
+        (b"\xef\xbb\xbf", "an empty file"),
         (b'{"name": "json"}', "Invalid statement"),
         (b".".join([b"a"] * 500) + b" = 1", "unknown field `a`"),
         (b"a" * 3000 + b" = 1", "unknown field `a+ \\.\\.\\. a+"),

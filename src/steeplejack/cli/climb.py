@@ -26,7 +26,8 @@ def climb(
     pipe: Pipe,
     robot: ClimberRobot = BUILT_IN,
     mu: Annotated[
-        float | None, typer.Option(help="Friction of the grippers' pads.", show_default="the robot file's")
+        float | None,
+        typer.Option(help="Friction of the pads in physics; the plan counts on the file's.", show_default="the file's"),
     ] = None,
     payload_kg: Annotated[float, typer.Option(help="Carried by the upper gripper.")] = 0.0,
     pictures: Annotated[bool, typer.Option(help="Render a film strip into the log.")] = True,

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 BALANCED = 1e-6
 """Force left over an equilibrium, of the weight, and moment, of the weight at the attachments' radius [1]."""
+LEAP = np.deg2rad(15.0)
+"""Turn between neighbouring places of a way from which they are two equilibria, not one that moves; estimate [rad]."""
 
 
 @dataclass(frozen=True)
@@ -232,6 +234,17 @@ class Held:
     tension: Array  # (n, 4) [N]
     quality: Array  # (n, 6), see :func:`certify`
     good: NDArray[np.bool_]  # (n,)
+
+    @property
+    def steady(self) -> NDArray[np.bool_]:
+        """Of places along a way, which are near the orientation of the one before (n,)."""
+        trace = np.einsum("nij,nij->n", self.rotation[1:], self.rotation[:-1])
+        return np.concatenate(([True], trace >= 1.0 + 2.0 * np.cos(LEAP)))
+
+    @property
+    def along(self) -> NDArray[np.bool_]:
+        """Of places along a way, which are good and steady (n,)."""
+        return self.good & self.steady
 
 
 def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array | None = None) -> Held:

@@ -223,7 +223,11 @@ class _Search(Generic[State]):
         state, seen, margin = found
         # No better than foreseen, so that what chains cost never falls.
         margin = min(margin, candidate.margin)
-        self._learned[chain.last, step] = self._held[cell][k] & ~_bits(left & ~seen), margin
+        bits = self._held[cell][k] & ~_bits(left & ~seen)
+        before = self._learned.get((chain.last, step))
+        if before is not None:
+            bits, margin = bits & before[0], min(margin, before[1])
+        self._learned[chain.last, step] = bits, margin
         self._levels = sorted({*self._levels, _steps(margin)})
         if not np.any(left & seen):
             return None

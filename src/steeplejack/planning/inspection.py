@@ -82,7 +82,7 @@ def _sites(scene: Scene, low: float, high: float) -> list[Site]:
     """The cells of a stretch, each with the scene about it and its lattice."""
     out: list[Site] = []
     for a, b in _cells(low, high, scene.rules.cell_length):
-        local = scene.around(*_surroundings(a, b, None))
+        local = scene.around(*_surroundings(a, b))
         lattice = Lattice.over(local, a, b)
         out.append((local, Cell(a, b, _wanted(local, lattice)), lattice))
     return out
@@ -94,9 +94,10 @@ def _chain(scene: Scene, sites: list[Site], step: Callable[[float], None]) -> Pl
 
     def move(state: _Progress, at: tuple[int, int], left: Flags) -> tuple[_Progress, Flags, float] | None:
         _scene, cell, lattice = sites[at[0]]
-        local = scene.around(*_surroundings(cell.low, cell.high, state))
+        stance = found[at[0]][at[1]].stance
+        local = scene.around(*_surroundings(cell.low, cell.high, state, stance))
         step(POOLED + (1.0 - POOLED) * at[0] / len(sites))
-        return _advance(local, lattice, state, found[at[0]][at[1]].stance, left)
+        return _advance(local, lattice, state, stance, left)
 
     gain = int(np.ceil(LEAST_GAIN / _spacing(sites[0][2]) - 1e-9))
     wanted = [cell.wanted for _scene, cell, _lattice in sites]
@@ -119,12 +120,14 @@ def _cells(low: float, high: float, length: float) -> list[tuple[float, float]]:
     return [(float(a), float(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
 
-def _surroundings(low: float, high: float, state: _Progress | None) -> tuple[float, float]:
+def _surroundings(
+    low: float, high: float, state: _Progress | None = None, stance: Stance | None = None
+) -> tuple[float, float]:
     """The stretch of the stays that cables and platform may come near to while the squad moves to a cell and works it.
 
-    Bases stand at most the search's offsets from the cell, or still where the last stance left them.
+    Bases stand at most the search's offsets from the cell, where a stance says, or still where the last one left them.
     """
-    ends = [low + min(LOWER), high + max(UPPER)]
+    ends = [low + min(LOWER), high + max(UPPER), *(() if stance is None else stance.s)]
     if state is not None and state.stance is not None and state.place is not None:
         ends += [*state.stance.s, float(state.place[1])]
     return max(0.0, min(ends) - AROUND), max(ends) + AROUND
@@ -154,7 +157,7 @@ def _advance(
         Where it is then, the stations seen and the least slip margin, ample at most, of the legs that all bases are
         gripped in; None when the squad cannot get there, or not brace itself on the way.
     """
-    legs: list[Leg] = []
+    legs: list[Leg | None] = []
     place, number = state.place, state.number
     if state.stance is not None and place is not None:
         span = Lattice.over(scene, min(place[1], lattice.s[0]), lattice.s[-1], coarse=2)
@@ -183,7 +186,8 @@ def _advance(
         place = places[-1]
         seen[row, first : last + 1] = True
     last = state.legs[-1:]  # what comes before it is joined already
-    added = joined(scene, (*last, *legs))
+    whole = [leg for leg in legs if leg is not None]
+    added = joined(scene, (*last, *whole)) if len(whole) == len(legs) else None
     if added is None:
         return None
     added = added[len(last) :]
@@ -198,7 +202,7 @@ def _reasons(scene: Scene, cell: Cell, lattice: Lattice) -> list[Uncovered]:
         for first, last in runs(cell.wanted[row], np.zeros(len(lattice.s), bool)):
             why = why_not(scene, cell, lattice, row, (first + last) // 2)
             if why == "none":
-                why = "held, but no certified way leads there, or over less than two stations"
+                why = "held, but not by a stance the plan could take or reach, or over less than two stations"
             low, high = max(cell.low, lattice.s[first] - half), min(cell.high, lattice.s[last] + half)
             out.append(Uncovered(scene.bay.stays[k].id, float(low), float(high), why))
     return out

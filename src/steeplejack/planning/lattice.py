@@ -181,7 +181,7 @@ def straighten(scene: Scene, anchors: Array, pull: Array, corners: Array) -> lis
         last = len(corners) - 1
         while True:
             places = densify(scene, corners[[first, last]])
-            if last == first + 1 or bool(hold(scene, anchors, pull, places).good.all()):
+            if last == first + 1 or bool(hold(scene, anchors, pull, places).along.all()):
                 break
             last = first + max(1, (last - first) // 2)
         pieces.append(places)

@@ -83,7 +83,7 @@ def fly(scene: Scene, lattice: Lattice, stance: Stance, start: Array, end: Array
         return ()
     anchors, pull = scene.anchors(np.array(stance.s), np.array(stance.clock))
     direct = straighten(scene, anchors, pull, np.stack([start, end]))
-    if all(hold(scene, anchors, pull, piece).good.all() for piece in direct):
+    if all(hold(scene, anchors, pull, piece).along.all() for piece in direct):
         return tuple(direct)
     held, good = lattice.held(scene, anchors, pull)
     if not good.any():
@@ -98,7 +98,7 @@ def fly(scene: Scene, lattice: Lattice, stance: Stance, start: Array, end: Array
         return None
     corners = np.concatenate([start[None], lattice.places[nodes], end[None]])
     pieces = straighten(scene, anchors, pull, corners)
-    return tuple(pieces) if all(hold(scene, anchors, pull, piece).good.all() for piece in pieces) else None
+    return tuple(pieces) if all(hold(scene, anchors, pull, piece).along.all() for piece in pieces) else None
 
 
 def _joined(
@@ -109,7 +109,7 @@ def _joined(
         if np.allclose(lattice.places[node], place):
             return node
         pieces = straighten(scene, anchors, pull, np.stack([place, lattice.places[node]]))
-        if all(hold(scene, anchors, pull, piece).good.all() for piece in pieces):
+        if all(hold(scene, anchors, pull, piece).along.all() for piece in pieces):
             return node
     return None
 
@@ -156,7 +156,7 @@ def _eased(scene: Scene, pull: Array, base: int) -> Array:
 
 
 def _held(scene: Scene, anchors: Array, pull: Array, places: Array) -> bool:
-    return bool(hold(scene, anchors, pull, places).good.all())
+    return bool(hold(scene, anchors, pull, places).along.all())
 
 
 def _set(values: tuple[float, float, float, float], index: int, value: float) -> tuple[float, float, float, float]:

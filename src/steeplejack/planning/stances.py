@@ -53,7 +53,9 @@ def ranked(scene: Scene, cell: Cell, lattice: Lattice) -> tuple[Array, Indices]:
         return np.empty((0, 4)), np.empty(0, np.int64)
     some, full = Judge.of(scene, cell, lattice, every=SOME), Judge.of(scene, cell, lattice)
     if len(full.places) > 2 * len(some.places):
-        grid = grid[np.sort(_order(*some.surveyed(grid))[:RANKED])]
+        count, room = some.surveyed(grid)
+        if np.count_nonzero(count) >= RANKED:  # of fewer nothing is known: what they hold may lie between
+            grid = grid[np.sort(_order(count, room)[:RANKED])]
     count, room = full.surveyed(grid)
     order = _order(count, room)
     return grid[order], count[order]

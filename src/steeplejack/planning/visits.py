@@ -82,7 +82,7 @@ def _certified(
     part = slice(first, last + 1)
     for smoothing in (SMOOTHING, 1):
         places = _path(lattice, k, part, level, smoothing)
-        good = hold(scene, *stance, places).good
+        good = hold(scene, *stance, places).along
         if good.all():
             return [(first, last, places)]
     broken = np.flatnonzero(~good)

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib.resources import files
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""Of the page's content."""
 
 
 class Markup(str):
@@ -26,6 +30,20 @@ def element(name: str, *parts: object, cls: str = "") -> Markup:
     """An element with its content."""
     mark = f' class="{escape(cls, quote=True)}"' if cls else ""
     return Markup(f"<{name}{mark}>{join(parts)}</{name}>")
+
+
+def document(title: str, body: Markup, style: str = "") -> str:
+    """A whole page that fetches nothing: styles stand in it, pictures are data."""
+    styles = files("steeplejack.report").joinpath("page.css").read_text(encoding="utf-8") + style
+    head = join(
+        (
+            Markup('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
+            Markup(f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'),
+            element("title", title),
+            element("style", Markup(styles)),
+        )
+    )
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n{body}</html>\n'
 
 
 def section(title: str, *parts: object) -> Markup:

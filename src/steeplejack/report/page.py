@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from steeplejack.report import figures
 from steeplejack.report.analysis import ACTIVITIES, Analysis, Summary, analyse
 from steeplejack.report.appendix import assumptions_section, events_section, provenance_section
 from steeplejack.report.figures.style import ACTIVITY
-from steeplejack.report.html import Markup, element, figure, join, section, terms
+from steeplejack.report.html import Markup, document, element, figure, section, terms
 from steeplejack.report.limits import limits_section
 from steeplejack.report.log import Log, read_log
 from steeplejack.report.notation import minutes
@@ -22,8 +21,6 @@ from steeplejack.report.verdict import headline, tiles
 from steeplejack.runtime.recorder import Picture
 
 FORMATS = ("jpeg", "png", "webp")
-# Nothing may be fetched: styles stand in the page, pictures are data.
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 def write_report(log_path: Path, out_path: Path) -> Summary:
@@ -49,14 +46,6 @@ def page(log: Log, analysis: Analysis) -> str:
     """The whole page."""
     names = [stay.id for stay in log.bay.stays[1:-1]]
     title = f"Inspection of {names[0]} to {names[-1]}" if len(names) > 1 else f"Inspection of {names[0]}"
-    head = join(
-        (
-            Markup('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
-            Markup(f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'),
-            element("title", f"{title}, {log.site.name}"),
-            element("style", Markup(files("steeplejack.report").joinpath("page.css").read_text(encoding="utf-8"))),
-        )
-    )
     request = log.mission.request
     kicker = f"{log.site.name}, fan {request.fan}, {request.face} face · {log.squad.name} · run in simulation"
     body = element(
@@ -77,7 +66,7 @@ def page(log: Log, analysis: Analysis) -> str:
         assumptions_section(log),
         provenance_section(log),
     )
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n{body}</html>\n'
+    return document(f"{title}, {log.site.name}", body)
 
 
 def _request(log: Log) -> Markup:

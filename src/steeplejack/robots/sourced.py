@@ -13,8 +13,7 @@ from typing import Annotated, TypeVar, cast
 
 import msgspec
 
-from steeplejack.errors import InputError
-from steeplejack.files import read_source, shortened
+from steeplejack.files import decode_toml, read_source
 
 Machine = TypeVar("Machine", bound=msgspec.Struct)
 
@@ -68,7 +67,4 @@ def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Mach
         text = files(package).joinpath(file).read_bytes()
     else:
         text = read_source(robot, f"a TOML robot file or {built_in}")
-    try:
-        return msgspec.toml.decode(text, type=kind)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(robot), shortened(str(error)), f"see the built-in {file} for every field") from None
+    return decode_toml(text, kind, str(robot), f"see the built-in {file} for every field")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from steeplejack.errors import InputError
-from steeplejack.worksite.builtin import Listing
+from steeplejack.files import read_source
+from steeplejack.worksite.builtin import DATA, Listing
 from steeplejack.worksite.pipe_file import decode_pipes
 from steeplejack.worksite.pipe_run import PipeRun, build_run
 
@@ -38,12 +37,8 @@ def load_pipe(pipe: str | Path) -> PipeRun:
     path = Path(pipe)
     if path.suffix.lower() != ".toml":
         raise InputError(f"pipe {pipe}", "a folder" if path.is_dir() else "no such name", valid)
-    try:
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise InputError(str(pipe), getattr(error, "strerror", None) or "cannot be read", valid) from None
-    return build_run(decode_pipes(content, str(pipe)), str(pipe))
+    return build_run(decode_pipes(read_source(path, valid), str(pipe)), str(pipe))
 
 
-def _file(name: str) -> Traversable:
-    return files("steeplejack.worksite") / "data" / f"pipe-{name}.toml"
+def _file(name: str) -> Path:
+    return DATA / f"pipe-{name}.toml"

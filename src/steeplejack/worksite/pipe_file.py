@@ -50,7 +50,7 @@ from typing import Annotated
 
 import msgspec
 
-from steeplejack.errors import InputError
+from steeplejack.files import decode_toml
 
 Length = Annotated[float, msgspec.Meta(ge=1e-4, le=1e6)]
 """Of something that is there [m]; what is too long for a run is said with its own words."""
@@ -160,9 +160,4 @@ def decode_pipes(content: bytes, where: str) -> PipeFile:
     Raises:
         InputError: Not TOML, or a field that cannot be used; the message gives its path.
     """
-    if not content.strip():
-        raise InputError(where, "an empty file", 'a worksite with kind = "pipes"')
-    try:
-        return msgspec.toml.decode(content, type=PipeFile)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(where, " ".join(str(error).split()), "the fields of a built-in run of pipes") from None
+    return decode_toml(content, PipeFile, where, 'a worksite with kind = "pipes" and the fields of a built-in run')

@@ -27,11 +27,11 @@ Unknown keys are refused and named by their path. SI throughout. Example of a br
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, cast
 
 import msgspec
 
-from steeplejack.errors import InputError
+from steeplejack.files import decode_toml
 from steeplejack.worksite.chord import Point
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
@@ -145,9 +145,5 @@ def decode_site(content: bytes, where: str) -> BridgeFile | PlanarFile:
     Raises:
         InputError: Not TOML, or a field that cannot be used; the message gives its path.
     """
-    if not content.strip():
-        raise InputError(where, "an empty file", 'a worksite with kind = "bridge" or "planar"')
-    try:
-        return msgspec.toml.decode(content, type=BridgeFile | PlanarFile)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InputError(where, " ".join(str(error).split()), "the fields of a built-in worksite file") from None
+    kinds = cast("type[BridgeFile | PlanarFile]", BridgeFile | PlanarFile)
+    return decode_toml(content, kinds, where, 'kind = "bridge" or "planar" and the fields of a built-in worksite file')

@@ -5,10 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-import msgspec
-
-from steeplejack.errors import InputError
-from steeplejack.files import read_source, shortened
+from steeplejack.files import decode_toml, read_source
 from steeplejack.mechanics.limb.linkage import Linkage
 
 LINKAGES = ("stewart-gough", "planar-3-rrr", "3-rrs", "bennett", "sarrus")
@@ -26,14 +23,8 @@ def load_linkage(linkage: str | Path) -> Linkage:
     Raises:
         InputError: No such linkage or file, or a field that cannot be used; the message names it.
     """
-    where = shortened(str(linkage))
     if str(linkage) in LINKAGES:
         text = files("steeplejack.mechanics.limb").joinpath("data", f"{linkage}.toml").read_bytes()
     else:
         text = read_source(linkage, f"a TOML linkage file or one of {', '.join(LINKAGES)}")
-    try:
-        return msgspec.toml.decode(text, type=Linkage)
-    except InputError as error:
-        raise InputError(f"{where}, {shortened(error.where)}", shortened(error.what), error.valid) from None
-    except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:
-        raise InputError(where, shortened(str(error)), "see the built-in sarrus.toml for every field") from None
+    return decode_toml(text, Linkage, str(linkage), "see the built-in sarrus.toml for every field")

@@ -164,11 +164,11 @@ def _single(run: PipeRun, robot: PipeClimber, payload: float) -> list[Relaxation
         (length, _longer_stroke(run, robot)),
         ("tilt" in decide, _tilt(run, robot)),
         (turning, _linkage(run, robot)),
-        (standing or len(set(sizes)) > 1, _jaws(run, robot)),
+        (standing or len(set(sizes)) > 1, _jaws(run, robot, 0.1)),
         (wide != robot.gripper.pipe_diameter, _diameters(run, robot, wide)),
         ("force" in decide, _force(run, robot)),
         (slips, _friction(run, robot)),
-        (slips, _long_jaws(run, robot)),
+        (slips, _jaws(run, robot, 2.0, " against tilting")),
         (length, _size(run, robot)),
         (True, _pipe_end(run, robot)),
         (bends, _bends(run, robot)),
@@ -227,31 +227,34 @@ def _longer_stroke(run: PipeRun, robot: PipeClimber) -> Relaxation:
     )
 
 
-def _tilt(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    limit = robot.joints.limit
+def _number(
+    run: PipeRun, robot: PipeClimber, field: tuple[str, str], far: float, limit: str, amount: Callable[[float], str]
+) -> Relaxation:
+    """One number of one table of the robot file, from what it is to ``far``."""
+    table, name = field
+    now = float(getattr(getattr(robot, table), name))
     return Relaxation(
-        f"platform's tilt of {math.degrees(limit):.0f} deg",
-        lambda k: (run, _changed(robot, "joints", limit=_between(limit, RIGHT, k))),
-        lambda k: f"a tilt of {math.degrees(_between(limit, RIGHT, k)):.0f} deg",
+        limit,
+        lambda k: (run, _changed(robot, table, **{name: _between(now, far, k)})),
+        lambda k: amount(_between(now, far, k)),
     )
+
+
+def _tilt(run: PipeRun, robot: PipeClimber) -> Relaxation:
+    limit = f"platform's tilt of {math.degrees(robot.joints.limit):.0f} deg"
+    return _number(run, robot, ("joints", "limit"), RIGHT, limit, lambda x: f"a tilt of {math.degrees(x):.0f} deg")
 
 
 def _linkage(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    limit = robot.rcm.limit
-    return Relaxation(
-        f"linkage's range of {math.degrees(limit):.0f} deg",
-        lambda k: (run, _changed(robot, "rcm", limit=_between(limit, max(limit, WIDEST_TURN), k))),
-        lambda k: f"a linkage range of {math.degrees(_between(limit, max(limit, WIDEST_TURN), k)):.0f} deg",
-    )
+    now = robot.rcm.limit
+    limit, far = f"linkage's range of {math.degrees(now):.0f} deg", max(now, WIDEST_TURN)
+    return _number(run, robot, ("rcm", "limit"), far, limit, lambda x: f"a linkage range of {math.degrees(x):.0f} deg")
 
 
-def _jaws(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    jaw = robot.build.jaw_length
-    return Relaxation(
-        f"jaws' length of {1e3 * jaw:.0f} mm",
-        lambda k: (run, _changed(robot, "build", jaw_length=_between(jaw, 0.1 * jaw, k))),
-        lambda k: f"jaws of {1e3 * _between(jaw, 0.1 * jaw, k):.0f} mm",
-    )
+def _jaws(run: PipeRun, robot: PipeClimber, far: float, why: str = "") -> Relaxation:
+    now = robot.build.jaw_length
+    limit = f"jaws' length of {1e3 * now:.0f} mm{why}"
+    return _number(run, robot, ("build", "jaw_length"), far * now, limit, lambda x: f"jaws of {1e3 * x:.0f} mm")
 
 
 def _diameters(run: PipeRun, robot: PipeClimber, wide: tuple[float, float]) -> Relaxation:
@@ -265,30 +268,15 @@ def _diameters(run: PipeRun, robot: PipeClimber, wide: tuple[float, float]) -> R
 
 
 def _force(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    force = robot.cylinders.force
-    return Relaxation(
-        f"cylinders' force of {force:.0f} N",
-        lambda k: (run, _changed(robot, "cylinders", force=_between(force, 10.0 * force, k))),
-        lambda k: f"cylinders of {_between(force, 10.0 * force, k):.0f} N",
-    )
+    now = robot.cylinders.force
+    limit = f"cylinders' force of {now:.0f} N"
+    return _number(run, robot, ("cylinders", "force"), 10.0 * now, limit, lambda x: f"cylinders of {x:.0f} N")
 
 
 def _friction(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    friction = robot.gripper.friction
-    return Relaxation(
-        f"friction of {friction:g} with {robot.gripper.force:.0f} N a jaw",
-        lambda k: (run, _changed(robot, "gripper", friction=_between(friction, 10.0 * friction, k))),
-        lambda k: f"friction of {_between(friction, 10.0 * friction, k):.2f}",
-    )
-
-
-def _long_jaws(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    jaw = robot.build.jaw_length
-    return Relaxation(
-        f"jaws' length of {1e3 * jaw:.0f} mm against tilting",
-        lambda k: (run, _changed(robot, "build", jaw_length=_between(jaw, 2.0 * jaw, k))),
-        lambda k: f"jaws of {1e3 * _between(jaw, 2.0 * jaw, k):.0f} mm",
-    )
+    now = robot.gripper.friction
+    limit = f"friction of {now:g} with {robot.gripper.force:.0f} N a jaw"
+    return _number(run, robot, ("gripper", "friction"), 10.0 * now, limit, lambda x: f"friction of {x:.2f}")
 
 
 def _size(run: PipeRun, robot: PipeClimber) -> Relaxation:

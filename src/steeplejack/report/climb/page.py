@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from base64 import b64encode
-from importlib.resources import files
 from pathlib import Path
 
 from steeplejack.report.climb.analysis import ClimbAnalysis, ClimbSummary, summarise
 from steeplejack.report.climb.figures import loads_figure, mechanism_figure, progress_figure
 from steeplejack.report.climb.log import ClimbLog, read_climb
-from steeplejack.report.html import Markup, element, figure, folded, join, section, table, terms
+from steeplejack.report.html import Markup, document, element, figure, folded, section, table, terms
 from steeplejack.report.notation import clock, number
 from steeplejack.runtime.recorder import Picture
 
-# Nothing may be fetched: styles stand in the page, pictures are data.
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 STRIP = (
     ".strip { display: grid; grid-template-columns: repeat(4, 1fr); gap: .6rem; }"
     ".strip figure { margin: 0; } .strip img { display: block; width: 100%; border-radius: 3px; }"
@@ -44,16 +41,7 @@ def write_climb_report(log_path: Path, out_path: Path) -> ClimbSummary:
 
 def climb_page(log: ClimbLog, analysis: ClimbAnalysis) -> str:
     """The whole page."""
-    style = files("steeplejack.report").joinpath("page.css").read_text(encoding="utf-8") + STRIP
     title = f"Climb of {log.run.name}"
-    head = join(
-        (
-            Markup('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
-            Markup(f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'),
-            element("title", title),
-            element("style", Markup(style)),
-        )
-    )
     body = element(
         "body",
         element("h1", title),
@@ -69,7 +57,7 @@ def climb_page(log: ClimbLog, analysis: ClimbAnalysis) -> str:
         _plan(log),
         _sources(log),
     )
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n{body}</html>\n'
+    return document(title, body, STRIP)
 
 
 def _headline(log: ClimbLog) -> Markup:

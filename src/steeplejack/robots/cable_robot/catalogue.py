@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
-
-from steeplejack.errors import InputError
-from steeplejack.files import read_source, shortened
+from steeplejack.files import decode_toml, read_source
 from steeplejack.robots.cable_robot.parameters import Dimension, Parameters
 from steeplejack.robots.cable_robot.robot import CableRobot
 
@@ -64,8 +61,5 @@ def read_parameters(robot: str | Path) -> Parameters:
         text = (DATA / f"{robot}.toml").read_bytes()
     else:
         text = read_source(robot, f"a TOML robot file or one of {', '.join(BUILT_IN)}")
-    try:
-        return msgspec.toml.decode(text, type=Parameters)
-    except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:
-        valid = f"fields as in planar-4-4.toml and, in space, cogiro.toml of {DATA}"
-        raise InputError(str(robot), shortened(str(error)), valid) from None
+    valid = f"fields as in planar-4-4.toml and, in space, cogiro.toml of {DATA}"
+    return decode_toml(text, Parameters, str(robot), valid)

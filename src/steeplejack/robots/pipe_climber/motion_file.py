@@ -24,7 +24,7 @@ import msgspec
 import numpy as np
 
 from steeplejack.errors import InputError
-from steeplejack.files import read_source, shortened
+from steeplejack.files import decode_toml, read_source, shortened
 from steeplejack.robots.pipe_climber.motion import Motion, Trajectory, eq27, eq27_printed
 from steeplejack.robots.pipe_climber.poses import Array, Offset
 from steeplejack.robots.pipe_climber.sampled_motion import LEAST_SAMPLES, SampledMotion
@@ -71,11 +71,8 @@ def load_motion(motion: str | Path) -> Trajectory:
 
 def _polynomials(motion: str | Path, content: bytes) -> Motion:
     """The motion of a TOML file."""
-    try:
-        given = msgspec.toml.decode(content, type=MotionFile)
-    except (msgspec.DecodeError, ValueError, LookupError, RecursionError) as error:  # the last three of the TOML parser
-        valid = "name, duration_s, x_m, z_m and, optional, alpha_deg, beta_deg, offset"
-        raise InputError(str(motion), shortened(str(error)), valid) from None
+    valid = "name, duration_s, x_m, z_m and, optional, alpha_deg, beta_deg, offset"
+    given = decode_toml(content, MotionFile, str(motion), valid)
     _require_sizes(str(motion), given)
     alpha, beta = (tuple(math.radians(one) for one in turn) for turn in (given.alpha_deg, given.beta_deg))
     return Motion(given.name, given.duration_s, given.x_m, given.z_m, alpha, beta, given.offset)

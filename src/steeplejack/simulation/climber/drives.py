@@ -39,17 +39,19 @@ def advance(
         windows: Lengths between which the screws turn (3, 2) [m].
         closed: Grippers told to close (2,).
         opening: Where open pads stand (2,) [m].
-        constants: See `constants`.
+        constants: How far a screw leads its rod [m], how far jaws aim beyond their pads [m], their rate [m/s],
+            force [N] and half width [m], leads of screw and servo [s], range of the servo to either side [rad], (8,).
     """
-    slack, press, rate, force, half, lead, servo_lead = constants
+    slack, press, rate, force, half, lead, servo_lead, swing = constants
     for i in range(3):
         # A screw that meets its force stalls: it does not turn on while the rod stands.
         turned = min(max(goals[i] + dt * speeds[i], windows[i, 0]), windows[i, 1])
         turned = min(max(turned, places[i] - slack), places[i] + slack)
         controls[i] = turned + lead * (turned - goals[i]) / dt
         goals[i] = turned
-    goals[3] += dt * speeds[3]
-    controls[3] = goals[3] + servo_lead * speeds[3]
+    turned = min(max(goals[3] + dt * speeds[3], -swing), swing)
+    controls[3] = turned + servo_lead * (turned - goals[3]) / dt
+    goals[3] = turned
     for i in range(2):
         place = places[3 + i]
         goal = place - press if closed[i] else opening[i]

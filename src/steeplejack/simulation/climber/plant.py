@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from steeplejack.control.climber.jaws import pad_place
+from steeplejack.control.climber.jaws import pad_place, pipe_radius
 from steeplejack.control.climber.signals import Command, Measurement
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
 from steeplejack.robots.pipe_climber.inverse import limb_lengths, limb_vectors
@@ -27,6 +27,7 @@ DRIVEN = 2  # physics steps for which the drives' goals stand
 PRESS = 1.3  # how far a closed jaw's goal lies inside what it touches, in parts of what its force needs [1]
 END = 5e-4  # [m] from the end of a cylinder's window to the stop of its screw
 HASTE = 0.75  # share of the close time in which a jaw's goal moves, the rest is for the force to build up [1]
+SERVO_SPEED = np.pi / 3.0 / 0.18  # [rad/s] of an HTS-20L without load, by its data
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,9 @@ class ClimberPlant:
         retracted = np.array(robot.cylinders.retracted)
         self._windows = np.stack((retracted - END, retracted + robot.cylinders.stroke + END), axis=-1)
         leads = SCREW_DAMPING / parts.screw_stiffness, SERVO_DAMPING / parts.servo_stiffness
-        self._constants = np.array([slack, press, rate, robot.gripper.force, 0.5 * parts.jaw_width, *leads])
+        self._constants = np.array(
+            [slack, press, rate, robot.gripper.force, 0.5 * parts.jaw_width, *leads, robot.rcm.limit]
+        )
         # Views into MuJoCo's own arrays, taken once: the properties cost more than the arithmetic.
         self._qpos, self._controls, self._ranges = data.qpos, data.ctrl, model.actuator_forcerange
         self._goals = np.zeros(8)
@@ -133,8 +136,8 @@ class ClimberPlant:
     def advance(self, steps: int) -> None:
         """Advance the physics, drives every other step."""
         model, data, command = self.model, self.data, self._command
-        most = self.robot.cylinders.speed
-        speeds = np.append(np.clip(command.speeds, -most, most), command.servo_speed)
+        most = np.array([*[self.robot.cylinders.speed] * 3, SERVO_SPEED])
+        speeds = np.clip(np.append(command.speeds, command.servo_speed), -most, most)
         for first in range(0, steps, DRIVEN):
             count = min(DRIVEN, steps - first)
             drives.advance(
@@ -153,9 +156,8 @@ class ClimberPlant:
 
     def _count(self) -> None:
         """Sum up what has passed through the grippers, along and around the pipe."""
-        build, now = self.robot.build, self._eyes.frames()
-        radii = np.hypot(self._qpos[self._jaws[:, 0]], 0.5 * build.jaw_width) - build.pad_radius
-        drives.passed(self._frames, now, radii, self._passed)
+        now = self._eyes.frames()
+        drives.passed(self._frames, now, pipe_radius(self.robot, self._qpos[self._jaws[:, 0]]), self._passed)
         self._frames = now
 
     def measure(self) -> Measurement:

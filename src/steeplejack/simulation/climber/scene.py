@@ -24,13 +24,14 @@ from steeplejack.simulation.climber.solids import Array, Solid
 from steeplejack.simulation.engine import mujoco
 
 TIMESTEP = 5e-4  # [s]
-# Friction of a soft contact creeps below its limit; this stiff, a loaded grip creeps well under 0.1 mm a minute.
+# Contacts and loops are as stiff as the solver takes, estimates all. Friction of a soft contact creeps below its limit;
+# this stiff, a loaded grip creeps well under 0.1 mm a minute.
 # A pad gives a little more slowly than the loops of the frame, or tilting and sliding feed each other at the limit.
 STIFF = 'solref="0.002 1" solimp="0.999 0.9999 0.001 0.5 2"'
 RUBBER = 'solref="0.004 1.3" solimp="0.995 0.9995 0.001 0.5 2"'
 # So do a larger impedance ratio and a solver that goes on to 1e-10; at 1e-6 it leaves a creep of 180 mm a minute.
 IMPRATIO = 300.0
-# [N/m], [N s/m] and [kg] of a jaw's drive.
+# [N/m], [N s/m] and [kg] of a jaw's drive; estimates, as is all damping below.
 JAW_STIFFNESS, JAW_DAMPING, JAW_INERTIA = 4.0e4, 150.0, 0.1
 SCREW_DAMPING, SERVO_DAMPING = 800.0, 1.5  # [N s/m], [N m s/rad]
 PIPE, PADS, LIMBS = 1, 2, 4  # bits of what touches what: pads and limbs touch pipe and obstacles, not one another

@@ -22,7 +22,8 @@ class Truth:
         upper: Of the upper gripper (4, 4).
         forces: Of the cylinders, positive when pushing (3,) [N].
         normal: Sum of the pads' normal forces of each gripper (2,) [N].
-        friction: What the pads' friction adds up to on each gripper, along its z axis and around it (2, 2) [N].
+        press: What the jaws of each press with along their way, both together (2,) [N].
+        wrench: Of the pipe on each gripper through its pads, (moment; force) at its middle in its frame (2, 6) [N m, N].
         touching: Pairs of geoms that touch and should not.
     """
 
@@ -30,7 +31,8 @@ class Truth:
     upper: Array
     forces: Array
     normal: Array
-    friction: Array
+    press: Array
+    wrench: Array
     touching: tuple[tuple[str, str], ...]
 
 
@@ -49,6 +51,9 @@ class Eyes:
         for i, end in enumerate(ENDS):
             self._gripper[[int(model.geom(f"{end}_{jaw}{k}").id) for jaw in "ab" for k in range(4)]] = i
         names = [model.geom(k).name for k in range(model.ngeom)]
+        self._side = np.zeros(model.ngeom)  # of a pad, that of its jaw along X
+        for name, side in (("a", 1.0), ("b", -1.0)):
+            self._side[[int(model.geom(f"{end}_{name}{k}").id) for end in ENDS for k in range(4)]] = side
         self._names = [name or "a limb" for name in names]
         self._obstacle = np.array([name.startswith("obstacle") for name in names])
 
@@ -63,13 +68,13 @@ class Eyes:
     def __call__(self) -> Truth:
         """The truth now."""
         frames = self.frames()
-        normal, friction, touching = self._contacts(frames)
+        normal, press, wrench, touching = self._contacts(frames)
         lower, upper = (_transform(frame) for frame in frames)
-        return Truth(lower, upper, self._data.actuator_force[:3].copy(), normal, friction, touching)
+        return Truth(lower, upper, self._data.actuator_force[:3].copy(), normal, press, wrench, touching)
 
-    def _contacts(self, frames: Array) -> tuple[Array, Array, tuple[tuple[str, str], ...]]:
-        """Normal forces and friction of the pads, and what touches that should not."""
-        contact, normal, friction = self._data.contact, np.zeros(2), np.zeros((2, 2))
+    def _contacts(self, frames: Array) -> tuple[Array, Array, Array, tuple[tuple[str, str], ...]]:
+        """What the pads press with and bear, and what touches that should not."""
+        contact, normal, press, wrench = self._data.contact, np.zeros(2), np.zeros(2), np.zeros((2, 6))
         pressing = contact.exclude == 0  # the others are too far apart
         geoms, address = contact.geom[pressing], contact.efc_address[pressing]
         gripper = self._gripper[geoms].max(axis=1)
@@ -77,18 +82,18 @@ class Eyes:
         touching = tuple((self._names[a], self._names[b]) for a, b in geoms[wrong])
         axes, places = contact.frame[pressing].reshape(-1, 3, 3), contact.pos[pressing]
         pushed = np.where(self._gripper[geoms[:, 1]] >= 0, 1.0, -1.0)  # the force is that on the second geom
+        sides = self._side[geoms].sum(axis=1)
         for i in range(2):
             mine = ~wrong & (gripper == i)
             if not mine.any():
                 continue
             force = self._data.efc_force[address[mine, None] + np.arange(3)]  # elliptic cones: along the axes
-            normal[i] = force[:, 0].sum()
-            rubbing = pushed[mine, None] * np.einsum("ck,ckj->cj", force[:, 1:], axes[mine, 1:])
-            z = frames[i, 5::3]
-            around = np.cross(z, places[mine] - frames[i, :3])
-            around /= np.maximum(np.linalg.norm(around, axis=1, keepdims=True), 1e-9)
-            friction[i] = rubbing.sum(axis=0) @ z, (rubbing * around).sum()
-        return normal, friction, touching
+            turn = frames[i, 3:].reshape(3, 3)  # columns are the gripper's axes
+            pads = pushed[mine, None] * np.einsum("ck,ckj->cj", force, axes[mine]) @ turn
+            arms = (places[mine] - frames[i, :3]) @ turn
+            normal[i], press[i] = force[:, 0].sum(), sides[mine] @ pads[:, 0]
+            wrench[i] = np.concatenate((np.cross(arms, pads).sum(axis=0), pads.sum(axis=0)))
+        return normal, press, wrench, touching
 
 
 def _transform(frame: Array) -> Array:

@@ -8,19 +8,22 @@ from collections.abc import Callable
 import numpy as np
 
 from steeplejack.control.climber import Act, Measurement, Status
+from steeplejack.control.climber.jaws import pipe_radius
 from steeplejack.control.climber.signals import Flags
 from steeplejack.planning.climb.plan import Phase
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
+from steeplejack.simulation.climber.friction_left import FrictionLeft
 from steeplejack.simulation.climber.pipe import frame_at
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
 from steeplejack.simulation.climber.truth import ENDS, Truth
 from steeplejack.worksite.pipe_run import PipeRun
 
-HANGING = 0.02  # [m/s] of a gripper on a pipe: faster, and it falls
+STILL = 1e-3  # [m/s] of a gripper on a pipe: slower, and it hangs
+PRESSED = 0.9  # [1] of what its jaws press with: less, and a gripper is not closed
 
 
 class Watch:
@@ -34,7 +37,7 @@ class Watch:
 
     def __init__(self, plant: ClimberPlant, run: PipeRun, recorder: Recorder | None) -> None:
         self._plant, self._run, self._recorder = plant, run, recorder
-        self._friction = plant.friction
+        self._left = FrictionLeft(plant.robot, plant.friction)
         self.collisions, self.travelled = 0, 0.0
         self.samples: list[ClimbSample] = []
         self.grips: list[GripRecord] = []
@@ -42,14 +45,15 @@ class Watch:
         self._lengths, self._at = plant.measure().lengths, 0.0
         truth = plant.truth()
         self._middle = 0.5 * (truth.lower[:3, 3] + truth.upper[:3, 3])
-        self._lower, self._speed = truth.lower[:3, 3], 0.0
+        self._ends, self._speed = np.stack((truth.lower[:3, 3], truth.upper[:3, 3])), 0.0
         self.picture: Callable[[float], Picture | None] = lambda _time: None
         self.look: Callable[[float], None] = lambda _time: None
 
     @property
     def hanging(self) -> bool:
-        """Whether the robot hung still on the pipe at the last sample."""
-        return bool(self._speed < HANGING and self._plant.truth().normal.sum() > 0.0)
+        """Whether both grippers were closed and still on their pipes at the last sample."""
+        pressed = self._plant.truth().normal >= PRESSED * 2.0 * self._plant.robot.gripper.force
+        return bool(self._speed < STILL and np.all(pressed))
 
     def note(self, at: float, text: str, kind: str) -> None:
         """Write down that something happened."""
@@ -88,9 +92,10 @@ class Watch:
         for first, second in sorted(new):
             self.note(at, f"{first} touches {second}", "collision")
         self._touching = set(truth.touching)
-        self._speed = float(np.linalg.norm(truth.lower[:3, 3] - self._lower)) / elapsed
-        self._lower = truth.lower[:3, 3]
-        middle = 0.5 * (truth.lower[:3, 3] + truth.upper[:3, 3])
+        ends = np.stack((truth.lower[:3, 3], truth.upper[:3, 3]))
+        self._speed = float(np.max(np.linalg.norm(ends - self._ends, axis=1))) / elapsed
+        self._ends = ends
+        middle = ends.mean(axis=0)
         forward = 0.5 * (truth.lower[:3, 2] + truth.upper[:3, 2])
         self.travelled += float((middle - self._middle) @ forward)
         self._middle = middle
@@ -106,7 +111,7 @@ class Watch:
             forces_n=triple(truth.forces),
             max_force_n=float(self._plant.strongest()),
             grip_n=pair(measured.grip),
-            margin=_margins(truth, status.held, self._friction),
+            margin=self._margins(truth, measured, status.held),
             slip_m=pair(status.slip),
             lower_m=triple(truth.lower[:3, 3]),
             upper_m=triple(truth.upper[:3, 3]),
@@ -123,6 +128,12 @@ class Watch:
             if picture is not None:
                 self._recorder.write("/camera", picture, at)
 
+    def _margins(self, truth: Truth, measured: Measurement, held: Flags) -> tuple[float | None, float | None]:
+        """Friction left to each gripper that is counted on; None of the others."""
+        left = self._left(truth, pipe_radius(self._plant.robot, measured.jaws))
+        lower, upper = (float(left[i]) if held[i] and np.isfinite(left[i]) else None for i in range(2))
+        return lower, upper
+
 
 def _pose_of(truth: Truth, claw_offset: float) -> Array:
     """(x, w, alpha, beta) nearest to where the upper gripper is from the lower one (4,)."""
@@ -131,11 +142,3 @@ def _pose_of(truth: Truth, claw_offset: float) -> Array:
     alpha = math.atan2(-upper[2, 0], upper[2, 2])
     out = upper[0, 3] * math.cos(beta) + upper[1, 3] * math.sin(beta)
     return np.array([out - claw_offset * math.sin(alpha), upper[2, 3] - claw_offset * math.cos(alpha), alpha, beta])
-
-
-def _margins(truth: Truth, held: Flags, friction: tuple[float, float]) -> tuple[float | None, float | None]:
-    """1 - friction used / friction there is, of each gripper as a whole; None where none is counted on."""
-    there = np.array(friction) * truth.normal
-    used = np.hypot(*truth.friction.T)
-    lower, upper = (float(1.0 - used[i] / there[i]) if held[i] and there[i] > 0.0 else None for i in range(2))
-    return lower, upper
