@@ -14,8 +14,8 @@ inspect: $(VENV)/ready
 climb: $(VENV)/ready
 	$(BIN)/steeplejack climb straight-vertical --out out
 
-# What CI runs: style, types, layering, tests, the docs. Most of the tests' time is compiling kernels: files stay with one
-# worker so that few are compiled twice, and they are optimised less than what users run.
+# What CI runs: style, types, layering, tests, the docs. Most of the tests' time is compiling kernels: tests/conftest.py
+# keeps those that share them with one worker, and they are optimised less than what users run.
 test: $(VENV)/ready-dev
 	$(BIN)/ruff check src tests benchmarks examples
 	$(BIN)/ruff format --check src tests benchmarks examples

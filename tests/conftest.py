@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 from steeplejack.robots.squad import Bay, Squad, load_squad
 from steeplejack.worksite import Bridge, load_worksite
+
+SHARED = re.compile(r"tests/(control|planning|report|runtime|safety|simulation)/test_(?!climb)")
+"""Tests of the squad, which compile the same kernels."""
+
+
+class Sharing(LoadFileScheduling):
+    """Files stay with one worker, and so do all of the squad: two workers at once would compile the same kernels."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return "squad" if SHARED.match(nodeid) else super()._split_scope(nodeid)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Sharing:
+    """What gives the workers of ``pytest -n`` their tests."""
+    return Sharing(config, log)
 
 
 @pytest.fixture(scope="session")

@@ -256,9 +256,10 @@ def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array
     n = len(places)
     middle = places[n // 2]
     lower, upper = scene.window
+    # Copies, for a kernel is compiled once more for views that are read only.
     rotation, tension, quality = certify(
-        np.ascontiguousarray(np.broadcast_to(anchors, (n, 4, 3))),
-        np.ascontiguousarray(np.broadcast_to(pull, (n, 2, 4, 4))),
+        np.broadcast_to(anchors, (n, 4, 3)).copy(),
+        np.broadcast_to(pull, (n, 2, 4, 4)).copy(),
         scene.attachments,
         scene.weight,
         scene.centre,
@@ -266,7 +267,7 @@ def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array
         scene.bay.frame(float(middle[0]), float(middle[1])),
         lower,
         upper,
-        np.ascontiguousarray(np.broadcast_to(scene.target if target is None else target, (n, 4))),
+        np.broadcast_to(scene.target if target is None else target, (n, 4)).copy(),
         scene.squad.cable.axial_stiffness,
         scene.axes,
         scene.radii,
