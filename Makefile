@@ -35,6 +35,7 @@ bench: $(VENV)/ready-dev
 	$(BIN)/python benchmarks/forward.py
 	$(BIN)/python benchmarks/certified.py
 	$(BIN)/python benchmarks/anchors.py
+	$(BIN)/python benchmarks/stances.py
 	$(BIN)/python benchmarks/climber_design.py --study
 	$(BIN)/python benchmarks/scaling.py
 	$(BIN)/python benchmarks/peers.py

@@ -18,10 +18,10 @@ from matplotlib import pyplot as plt
 
 from steeplejack.control.climber import holding_forces
 from steeplejack.planning.climb import plan_climb
-from steeplejack.planning.climb.grip import surge
+from steeplejack.planning.climb.grip import alone, along_way
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
-from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
+from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.session import ClimbSession
@@ -37,7 +37,6 @@ RADIUS = 0.5 * RUN.pipes[0].parts[0].diameter
 FRICTION = (0.26, 0.3, 0.4, 0.5, 0.6, 0.8)
 MOST = 8.0  # [kg]
 FINE, COARSE = 16, 7  # halvings of it, by statics and in physics
-RAMP = surge(Machine.of(ROBOT), GRAVITY)  # what a move's ramp adds to the weight, as the planner counts it [1]
 INK, BLUE, ORANGE, VERMILION = "#1e2837", "#0072b2", "#e69f00", "#d55e00"
 
 
@@ -58,11 +57,23 @@ def poses() -> np.ndarray:
     return np.array([[0.0, w, 0.0, 0.0] for w in np.linspace(low, low + ROBOT.cylinders.stroke, 6)])
 
 
-def grip_holds(mu: float, load: float, more: float = 1.0) -> bool:
-    """By statics: force and moment of the weight, times ``more``, within what the pads of either gripper give."""
-    robot = msgspec.structs.replace(ROBOT, gripper=msgspec.structs.replace(ROBOT.gripper, friction=mu))
-    loads = grip_loads(robot, LAYOUT, poses(), GRAVITY, load)
-    return bool((grip_use(grip_body(robot, RADIUS), loads) * more <= 1.0).all())
+def with_friction(mu: float) -> PipeClimber:
+    """The robot with other pads."""
+    return msgspec.structs.replace(ROBOT, gripper=msgspec.structs.replace(ROBOT.gripper, friction=mu))
+
+
+def grip_holds(mu: float, load: float) -> bool:
+    """By statics: force and moment of the weight within what the pads of either gripper give."""
+    loads = grip_loads(ROBOT, LAYOUT, poses(), GRAVITY, load)
+    return bool((grip_use(grip_body(with_friction(mu), RADIUS), loads) <= 1.0).all())
+
+
+def planned_to_hold(mu: float, load: float) -> bool:
+    """As the planner counts: with the inertia of a move's ramps, and within the reserve of the robot file."""
+    machine, along = Machine.of(with_friction(mu), load), poses()
+    feet = np.broadcast_to([RADIUS, float(BOTH)], (len(along), 2, 2))
+    gravity = np.broadcast_to(GRAVITY, (len(along), 3))
+    return bool((alone(machine, along, gravity, feet, along_way(machine, along)) <= 1.0).all())
 
 
 def cylinders_hold(load: float) -> bool:
@@ -88,16 +99,19 @@ def main() -> None:
     plan = replace(whole, phases=whole.phases[:6])
     friction = np.linspace(0.22, 0.85, 64)
     gripped = np.array([heaviest(lambda load, mu=mu: grip_holds(mu, load)) for mu in friction])
-    planned = np.array([heaviest(lambda load, mu=mu: grip_holds(mu, load, RAMP)) for mu in friction])
+    planned = np.array([heaviest(lambda load, mu=mu: planned_to_hold(mu, load)) for mu in friction])
     pushed = heaviest(cylinders_hold)
     simulated = [heaviest(lambda load, mu=mu: runs(plan, mu, load), COARSE) for mu in FRICTION]
-    predicted = [min(heaviest(lambda load, mu=mu: grip_holds(mu, load)), pushed) for mu in FRICTION]
-    for mu, there, said in zip(FRICTION, simulated, predicted, strict=True):
-        print(f"mu {mu:g}: {there:.2f} kg in physics, {said:.2f} kg by statics")
+    for mu, there in zip(FRICTION, simulated, strict=True):
+        said, meant = (
+            min(heaviest(lambda load, mu=mu, holds=holds: holds(mu, load)), pushed)
+            for holds in (grip_holds, planned_to_hold)
+        )
+        print(f"| {mu:.2f} | {there:.2f} kg | {said:.2f} kg | {meant:.2f} kg |")
     figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
     axes.plot(friction, gripped, color=BLUE, label="statics: the grip of one gripper")
     axes.plot(
-        friction, planned, color=BLUE, lw=0.9, ls=(0, (2, 2)), label="the same with the ramps of a move, as planned"
+        friction, planned, color=BLUE, lw=0.9, ls=(0, (2, 2)), label="the same with inertia and reserve, as planned"
     )
     axes.axhline(pushed, color=ORANGE, ls=(0, (5, 2)), label=f"statics: {ROBOT.cylinders.force:g} N of a cylinder")
     axes.plot(FRICTION, simulated, "o", color=VERMILION, label="physics: one stride without a slip")

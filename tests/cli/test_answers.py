@@ -163,10 +163,10 @@ def test_grip_of_the_paper(steeplejack: Run) -> None:
 
 def test_lists_name_their_sources(steeplejack: Run) -> None:
     robots = steeplejack("robots", "--json").answer["robots"]
-    assert [robot["name"] for robot in robots] == ["ccrobot-s", "pipe-climber"]
+    assert [robot["name"] for robot in robots] == ["ccrobot-s", "pipe-climber", "pipe-climber-cross"]
     sites = steeplejack("worksites", "--json").answer["worksites"]
     names = ["table-iii", "ecs620-like", "russky-like", "sutong-like", "stonecutters-like", "emerson-like"]
-    pipes = ["straight-vertical", "around", "bend-300", "flange", "clock-obstacle", "planar-cross"]
+    pipes = ["straight-vertical", "around", "bend-300", "flange", "clock-obstacle", "reducer", "planar-cross"]
     assert [site["name"] for site in sites] == names + pipes
     for entry in (*robots, *sites):
         assert entry["source"]

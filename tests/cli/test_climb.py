@@ -13,8 +13,8 @@ pytestmark = pytest.mark.long
 Steeplejack = Callable[..., Outcome]
 
 KEYS = {
-    "distance_m", "steps", "duration_s", "mean_speed_mm_s", "max_actuator_force_n", "min_transmission", "collisions",
-    "log", "report",
+    "distance_m", "steps", "duration_s", "mean_speed_mm_s", "max_actuator_force_n", "min_transmission",
+    "min_friction_margin", "collisions", "log", "report",
 }  # fmt: skip
 SHORT = """kind = "pipes"
 name = "short"
@@ -41,6 +41,7 @@ def test_a_short_climb(steeplejack: Steeplejack, folder: Path) -> None:
     assert answer["steps"] == 1 and answer["collisions"] == 0
     assert answer["mean_speed_mm_s"] >= 8.07
     assert 0.0 < answer["max_actuator_force_n"] <= 50.0
+    assert 0.0 < answer["min_friction_margin"] < 1.0 - 0.24525 / 0.3 + 0.01  # what hanging by one gripper leaves
     assert (folder / answer["log"]).is_file() and (folder / answer["report"]).is_file()
     again = steeplejack("report", answer["log"], "--out", "again", "--json")
     assert again.code == 0 and again.answer["duration_s"] == answer["duration_s"]
@@ -48,11 +49,18 @@ def test_a_short_climb(steeplejack: Steeplejack, folder: Path) -> None:
 
 def test_too_little_friction_ends_early_but_safely(steeplejack: Steeplejack, folder: Path) -> None:
     (folder / "short.toml").write_text(SHORT)
-    done = steeplejack("climb", "short.toml", "--mu", "0.2", "--no-pictures", "--out", "out", "--json")
-    assert done.code == 4
+    done = steeplejack("climb", "short.toml", "--mu-in-physics", "0.2", "--no-pictures", "--out", "out", "--json")
+    assert done.code == 4 and "in physics mu = 0.2" in done.err
     assert set(done.answer) == KEYS
     assert "hanging safely with both grippers closed" in done.err and "slip" in done.err
     assert "Traceback" not in done.err
+
+
+def test_the_plan_says_that_too_little_friction_does_not_hold(steeplejack: Steeplejack, folder: Path) -> None:
+    (folder / "short.toml").write_text(SHORT)
+    done = steeplejack("climb", "short.toml", "--mu", "0.2", "--no-pictures", "--out", "out", "--json")
+    assert done.code == 3 and "friction of 0.2 with 40 N a jaw" in done.answer["binding"]
+    assert not (folder / "out").exists()
 
 
 def test_a_pipe_too_thick_has_no_climb(steeplejack: Steeplejack, folder: Path) -> None:

@@ -17,13 +17,13 @@ from steeplejack.control.climber import (
     Outcome,
     Reference,
     closed_in,
-    holding_forces,
     taken_up,
 )
 from steeplejack.control.climber.jaws import open_place, pad_place
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.plan import Kind
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.weights import first_moments
 
@@ -61,6 +61,7 @@ def measured(**changes: object) -> Measurement:
     values = {
         "lengths": np.full(3, 0.18), "forces": np.zeros(3), "beta": 0.0, "jaws": np.full(2, 0.0316),
         "grip": np.full(2, 40.0), "passed": np.zeros((2, 2)),
+        "gravity": np.array([0.0, 0.0, -9.81]),
     }  # fmt: skip
     return Measurement(**{**values, **changes})  # pyright: ignore[reportArgumentType]
 

@@ -1,26 +1,30 @@
 """Machines, and a search by random sampling that knows nothing of the planner: the oracle of "cannot pass".
 
-Run as a script it tries 500 random runs: every plan is replayed, every refusal is attacked.
+`python tests/planning/climb_cases.py trials.jsonl` tries 500 random runs: every plan is replayed, every refusal is
+attacked. Begun again it goes on with the runs that the file does not have.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 
 from steeplejack.planning.climb import ClimbPlan, faults
-from steeplejack.planning.climb.collide import AIR, solids_of
+from steeplejack.planning.climb.collide import AIR, obstacles_of
 from steeplejack.planning.climb.frames import touching
-from steeplejack.planning.climb.grip import alone
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.planning.climb.places import passes, trouble
+from steeplejack.planning.climb.places import PALM, bumps, places_on, trouble
 from steeplejack.planning.climb.planner import as_plan, climb
 from steeplejack.planning.climb.search import SWING
+from steeplejack.planning.climb.uses import directions, states
 from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.singularity import determinant
@@ -30,8 +34,10 @@ from steeplejack.worksite.pipe_run import PipeRun, build_run
 ROBOT = load_pipe_climber()
 SPACING = 0.002  # [m] between places the sampling looks at on its way
 NEAR = 0.12  # [m] beyond the grippers, where bars can meet something
-BATCH = 400  # moves tried at once
-PARTS = (5, 10)  # of the stroke; the planner's finer lattice costs four times as much: where this is beaten
+COARSE = 0.01  # [m] between those where it asks for the grip
+BATCH = 150  # moves tried at once
+PARTS = (5,)  # of the stroke; the planner's finer lattices cost several times as much: where this is beaten
+FINER = (10, 20)
 FURTHER = 0.003  # [m] by which sampling may come further: what a cell of the finest lattice is
 
 
@@ -64,7 +70,12 @@ class Moves:
 
 
 class Sampler:
-    """A cloud of standings on the main pipe grown by random moves, some hundred at a time, to any place and clock."""
+    """A cloud of standings on the main pipe grown by random moves, many generations deep, to any place and clock.
+
+    Half of the moves are as long as cylinders allow; others end just before or behind what stands on the pipe, or where
+    the other gripper can then come to; turns go to the clear sides of obstacles and bends. Of standings with different
+    clocks the furthest of each are grown, so that a way that begins with turning back is found as well.
+    """
 
     def __init__(self, run: PipeRun, robot: PipeClimber, rng: np.random.Generator) -> None:
         self.run, self.machine, self.rng = run, Machine.of(robot), rng
@@ -72,13 +83,32 @@ class Sampler:
         self.low = np.array(robot.cylinders.retracted)
         self.high = self.low + robot.cylinders.stroke
         self.side = np.sign(determinant(self.layout, np.array(robot.joints.home)))
-        self.solids = solids_of(run)
-        low = 0.9 * self.machine.lowest_bar - 0.5 * self.pipe.parts[0].diameter
+        self.solids = obstacles_of(run)
+        low = 0.9 * self.machine.lowest_bar - 0.5 * max(part.diameter for part in self.pipe.parts)
         tall = [one for one in run.obstacles if one.height > low]
         places = [0.5 * (one.start + one.end) for one in tall] + [one.at for one in run.crossings]
         self.beside = np.array(places)  # where bars can meet something
+        self.bumps = [one for one in bumps(run, self.machine, self.pipe) if one.height > robot.gait.clearance]
         bends = [part.toward + k * math.pi for part in self.pipe.parts if not part.straight for k in (0, 1)]
-        self.useful = np.array([*bends, run.start_clock])
+        falls = [
+            math.atan2(*(part.frame.T @ np.array(run.gravity))[[1, 0]]) for part in self.pipe.parts if part.straight
+        ]
+        away = [
+            one.clock[0] - PALM + sign * (one.clock[1] + robot.gait.palm + more)
+            for one in self.bumps for sign in (-1.0, 1.0) for more in (1e-3, 0.1, 0.3) if one.clock[1] < 2.5
+        ]  # fmt: skip
+        self.useful = np.array([*bends, *falls, *(fall + math.pi for fall in falls), run.start_clock, *away])
+        self.marks = self.beside_everything()
+        self.seen: set[tuple[int, ...]] = set()
+
+    def beside_everything(self) -> np.ndarray:
+        """Places of a gripper just before and behind what its jaws or rows of pads may not close on [m]."""
+        half, pads = 0.5 * self.robot.build.jaw_length, 3.0 * self.robot.build.pad_radius
+        edges = [end for one in self.run.obstacles for end in (one.start, one.end)]
+        edges += [end for one in self.bumps if math.isfinite(one.start) for end in (one.start, one.end)]
+        edges += [part.start for part in self.pipe.parts[1:]]
+        offsets = (-half, pads - half, half - pads, half)
+        return np.array([edge + off + nudge for edge in edges for off in offsets for nudge in (-1e-5, 1e-5)] or [-1.0])
 
     def poses(self, lower: np.ndarray, upper: np.ndarray, clock: np.ndarray) -> tuple[np.ndarray, ...]:
         """Poses that join places at clocks of the mechanism, whether it can take them, whether every clock would do."""
@@ -101,98 +131,169 @@ class Sampler:
 
     def uses(self, low: np.ndarray, high: np.ndarray, pose: np.ndarray, clocks: np.ndarray) -> np.ndarray:
         """Use of both grips, (k, 2), at clocks (k, 2) of the lower and the upper gripper."""
-        frames = turned(self.pipe.chord(low, self.machine.row)[1], clocks[:, 0])
-        gravity = np.swapaxes(frames, -1, -2) @ np.array(self.run.gravity)
-        freedoms = np.column_stack((pose, clocks[:, 1] - clocks[:, 0]))
-        radii = np.stack((self.pipe.radius(low), self.pipe.radius(high)), axis=-1)
-        return alone(self.machine, freedoms, gravity, radii)
+        ends = (places_on(self.run, self.machine, 0, low), places_on(self.run, self.machine, 0, high))
+        ways = directions(self.run, self.machine, *ends, clocks[:, 1])
+        return states(self.run, self.machine, *ends, pose, ways, np.arange(len(low)), clocks[:, 1], clocks[:, 0])
 
-    def drawn(self, states: np.ndarray, count: int) -> Moves:
-        """Random moves, more of them from states far on."""
+    def parents(self, cloud: np.ndarray, count: int) -> np.ndarray:
+        """Standings to go on from: the furthest of each clock, and some anywhere."""
+        rng = self.rng
+        bins = np.rint(cloud[:, 3] / math.radians(15.0)).astype(int) % 24
+        kinds = np.unique(bins)
+        wanted, rank = rng.choice(kinds, count), rng.exponential(4.0, count).astype(int)
+        order = np.argsort(-cloud[:, 0] - cloud[:, 1], kind="stable")
+        by_kind = {kind: order[bins[order] == kind] for kind in kinds}
+        found = np.array(
+            [by_kind[kind][min(place, len(by_kind[kind]) - 1)] for kind, place in zip(wanted, rank, strict=True)]
+        )
+        found = np.where(rng.random(count) < 0.4, order[np.minimum(rank, len(order) - 1)], found)
+        return cloud[np.where(rng.random(count) < 0.15, rng.integers(0, len(cloud), count), found)]
+
+    def drawn(self, cloud: np.ndarray, count: int) -> Moves:
+        """Moves from a cloud of standings."""
         rng, limit = self.rng, self.robot.rcm.limit
-        order = np.argsort(-states[:, 0] - states[:, 1], kind="stable")
-        start = states[order[np.minimum(len(order) - 1, rng.exponential(8.0, count).astype(int))]]
+        start = self.parents(cloud, count)
         upper, end = rng.random(count) < 0.5, start.copy()
         least, most = self.machine.straight_gaps
-        gap = rng.uniform(least - 0.02, most + 0.02, count)
-        still = rng.random(count) < 0.15  # only turns
-        gap = np.where(still, start[:, 1] - start[:, 0], gap)
-        end[:, 0] = np.where(upper, start[:, 0], start[:, 1] - gap)
-        end[:, 1] = np.where(upper, start[:, 0] + gap, start[:, 1])
+        short = np.where(rng.random(count) < 0.5, 0.0, rng.exponential(0.006, count))
+        how = rng.random(count)
+        gap = np.where(upper, most - short, least + short)
+        gap = np.where(how < 0.15, rng.uniform(least - 0.02, most + 0.02, count), gap)
+        target = np.where(upper, start[:, 0] + gap, start[:, 1] - gap)
+        mark = rng.choice(self.marks, count)
+        shift = rng.choice([0.0, 0.0, least, most, most - least], count) * rng.choice([-1.0, 1.0], count)
+        target = np.where((how > 0.15) & (how < 0.5), mark + shift, target)
+        still = how > 0.8  # only turns
+        target = np.where(still, np.where(upper, start[:, 1], start[:, 0]), target)
+        end[:, 0], end[:, 1] = np.where(upper, start[:, 0], target), np.where(upper, target, start[:, 1])
         other = np.where(upper, start[:, 2], start[:, 3])
         own = np.where(upper, start[:, 3], start[:, 2])
         useful = rng.choice(self.useful, count)
         useful = own + (useful - own + math.pi) % (2.0 * math.pi) - math.pi
-        how = rng.random(count)
-        clock = np.where(how < 0.4, own, np.where(how < 0.6, useful, other + rng.uniform(-limit, limit, count)))
+        useful = other + np.clip(useful - other, -limit, limit)
+        free = other + np.where(
+            rng.random(count) < 0.5, rng.choice([-limit, 0.0, limit], count), rng.uniform(-limit, limit, count)
+        )
+        kind = np.where(still, 0.45 + 0.55 * rng.random(count), rng.random(count))
+        clock = np.where(kind < 0.45, own, np.where(kind < 0.75, useful, free))
         clock = np.where(np.abs(clock - other) <= limit + 1e-9, clock, own)
         end[:, 2] = np.where(upper, start[:, 2], clock)
         end[:, 3] = np.where(upper, clock, start[:, 3])
         return Moves(start, end, upper)
 
     def made(self, moves: Moves) -> np.ndarray:
-        """Standings at the ends of those moves that can be made, the cheap questions first."""
-        pose, good, _line = self.poses(moves.end[:, 0], moves.end[:, 1], moves.end[:, 3])
+        """Standings at the ends of those moves that can be made and lead to new ones, the cheap questions first."""
         moved = np.where(moves.upper, moves.end[:, 1], moves.end[:, 0])
-        good &= (moved > 0.0) & (moved < self.pipe.length)
-        good &= ~np.any([at for _why, at in trouble(self.run, self.machine, self.pipe, moved)], axis=0)
-        moves = moves.only(good)
-        if not len(moves.end):
-            return moves.end
-        moves = moves.only(self._bears(moves))
-        free = [self._passes(moves.only(np.array([k]))) for k in range(len(moves.end))]
-        return moves.end[np.array(free, dtype=bool)]
+        moves = moves.only((moved > 0.0) & (moved < self.pipe.length) & self.new(moves.end))
+        for question in (self._reaches, self._closes, self._passes, self._goes, self._clears, self._bears):
+            if not len(moves.end):
+                return moves.end
+            moves = moves.only(question(moves))
+        self.seen.update(map(tuple, self.cells(moves.end)))
+        return moves.end
 
-    def _bears(self, moves: Moves) -> np.ndarray:
-        """Whether every pose on the way can be taken and the other grip bears the robot there."""
+    def cells(self, standings: np.ndarray) -> np.ndarray:
+        """Standings as integers, those nearly the same alike."""
+        return np.rint(standings / [1e-3, 1e-3, 0.03, 0.03]).astype(int)
+
+    def new(self, standings: np.ndarray) -> np.ndarray:
+        """Whether nothing near them has been found yet; the first of each."""
+        cells = self.cells(standings)
+        first = np.zeros(len(cells), dtype=bool)
+        first[np.unique(cells, axis=0, return_index=True)[1]] = True
+        return first & np.array([tuple(cell) not in self.seen for cell in cells])
+
+    def _reaches(self, moves: Moves) -> np.ndarray:
+        return self.poses(moves.end[:, 0], moves.end[:, 1], moves.end[:, 3])[1]
+
+    def _closes(self, moves: Moves) -> np.ndarray:
+        moved = np.where(moves.upper, moves.end[:, 1], moves.end[:, 0])
+        return ~np.any([at for _why, at in trouble(self.run, self.machine, self.pipe, moved)], axis=0)
+
+    def _passes(self, moves: Moves) -> np.ndarray:
+        """Whether the palm passes everything on the way, turning at any time."""
+        column = moves.upper.astype(int)
+        every, half = np.arange(len(column)), 0.5 * self.robot.build.jaw_length
+        ends = np.sort(np.stack((moves.start[every, column], moves.end[every, column]), axis=-1), axis=1)
+        clocks = np.stack((moves.start[every, 2 + column], moves.end[every, 2 + column]), axis=-1)
+        middle, spread = clocks.mean(axis=1) + PALM, 0.5 * np.abs(np.diff(clocks, axis=1)[:, 0])
+        free = np.ones(len(column), dtype=bool)
+        for one in self.bumps:
+            away = np.abs((middle - one.clock[0] + math.pi) % (2.0 * math.pi) - math.pi)
+            under = away < one.clock[1] + self.robot.gait.palm + spread - 1e-9
+            free &= ~(under & (ends[:, 1] + half > one.start + 1e-9) & (ends[:, 0] - half < one.end - 1e-9))
+        return free
+
+    def _way(self, moves: Moves, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which move, places of both grippers (n, 2) along it, and where each begins."""
         span = np.abs(moves.end[:, :2] - moves.start[:, :2]).max(axis=1)
-        counts = np.maximum(2, np.ceil(span / SPACING).astype(int) + 1)
+        counts = np.maximum(2, np.ceil(span / spacing).astype(int) + 1)
         which = np.repeat(np.arange(len(counts)), counts)
         first = np.concatenate(([0], np.cumsum(counts)[:-1]))
         share = (np.arange(len(which)) - first[which]) / (counts[which] - 1.0)
-        at = moves.start[which] + share[:, None] * (moves.end - moves.start)[which]
-        before, after = moves.start[which, 2:], moves.end[which, 2:]
-        pose, good, in_line = self.poses(at[:, 0], at[:, 1], before[:, 1])
-        turns = np.abs(after - before).max(axis=1) > 0.0
-        good &= ~turns | ~moves.upper[which] | in_line  # turning the upper gripper wants one straight
-        holder = np.where(moves.upper[which], 0, 1)
-        share_of = np.where(turns, 1.0 / SWING, 1.0) + 1e-6
-        rows = np.flatnonzero(good)
-        for clocks in (before, after):
-            use = self.uses(at[rows, 0], at[rows, 1], pose[rows], clocks[rows])
+        return which, (moves.start[which] + share[:, None] * (moves.end - moves.start)[which])[:, :2], first
+
+    def _goes(self, moves: Moves) -> np.ndarray:
+        """Whether every pose on the way can be taken; turning the upper gripper wants one straight."""
+        which, at, first = self._way(moves, SPACING)
+        _pose, good, in_line = self.poses(at[:, 0], at[:, 1], moves.start[which, 3])
+        turns = np.abs(moves.end[:, 2:] - moves.start[:, 2:]).max(axis=1) > 0.0
+        return np.logical_and.reduceat(good & (~(turns & moves.upper)[which] | in_line), first)
+
+    def _bears(self, moves: Moves) -> np.ndarray:
+        """Whether the other grip bears the robot on the way, at the clocks before and after."""
+        which, at, first = self._way(moves, COARSE)
+        good = np.ones(len(which), dtype=bool)
+        turns = np.abs(moves.end[:, 2:] - moves.start[:, 2:]).max(axis=1) > 0.0
+        holder = np.where(moves.upper, 0, 1)[which]
+        share_of = np.where(turns, 1.0 / SWING, 1.0)[which] + 1e-6
+        for clocks in (moves.start[which, 2:], moves.end[which, 2:]):
+            rows = np.flatnonzero(good)
+            pose = self.poses(at[rows, 0], at[rows, 1], clocks[rows, 1])[0]
+            use = self.uses(at[rows, 0], at[rows, 1], pose, clocks[rows])
             good[rows] &= use[np.arange(len(rows)), holder[rows]] <= share_of[rows]
+            if not turns.any():
+                break
         return np.logical_and.reduceat(good, first)
 
-    def _passes(self, move: Moves) -> bool:
-        """Whether palm and bars of one move clear everything, turning at any time on the way."""
-        start, end, upper = move.start[0], move.end[0], bool(move.upper[0])
-        column = 1 if upper else 0
-        way = np.linspace(start[column], end[column], max(2, math.ceil(abs(end[column] - start[column]) / SPACING)))
-        middle = np.array([0.5 * (start[2 + column] + end[2 + column])])
-        spread = 0.5 * abs(end[2 + column] - start[2 + column])
-        if not passes(self.run, self.machine, self.pipe, way, middle, spread).all():
-            return False
-        low_end, high_end = min(start[0], end[0]) - NEAR, max(start[1], end[1]) + NEAR
-        if not ((self.beside > low_end) & (self.beside < high_end)).any():
-            return True
-        clocks = np.linspace(start[2 + column], end[2 + column], max(1, math.ceil(spread / math.radians(2.5)) + 1))
-        at, turn = (one.ravel() for one in np.meshgrid(way, clocks))
-        lower, higher = (np.full_like(at, start[0]), at) if upper else (at, np.full_like(at, start[1]))
-        low, high = (np.full_like(at, start[2]), turn) if upper else (turn, np.full_like(at, start[3]))
-        pose = self.poses(lower, higher, high)[0]
-        points, frames = self.pipe.chord(lower, self.machine.row)
-        lowers = np.broadcast_to(np.eye(4), (len(at), 4, 4)).copy()
-        lowers[:, :3, :3], lowers[:, :3, 3] = turned(frames, low), points
-        return not touching(self.solids, self.machine, lowers, np.column_stack((pose, high - low)), AIR, True).any()
+    def _clears(self, moves: Moves) -> np.ndarray:
+        """Whether the bars of each move clear everything, turning at any time on the way."""
+        low_end = np.minimum(moves.start[:, 0], moves.end[:, 0])[:, None] - NEAR
+        high_end = np.maximum(moves.start[:, 1], moves.end[:, 1])[:, None] + NEAR
+        near = ((self.beside > low_end) & (self.beside < high_end)).any(axis=1)
+        free = np.ones(len(near), dtype=bool)
+        if near.any():
+            free[near] = self._clear(moves.only(near))
+        return free
 
-    def furthest(self, tries: int, states: list[tuple[float, float, float, float]]) -> float:
-        """How far the lower gripper comes from given standings in some thousand random moves [m]."""
+    def _clear(self, moves: Moves) -> np.ndarray:
+        """`_clears` for moves near something: every place of a way at every clock of its turn."""
+        samples, numbers = list[np.ndarray](), list[np.ndarray]()
+        for number, (start, end, upper) in enumerate(zip(moves.start, moves.end, moves.upper, strict=True)):
+            column = 1 if upper else 0
+            way = np.linspace(start[column], end[column], max(2, math.ceil(abs(end[column] - start[column]) / SPACING)))
+            turn = abs(end[2 + column] - start[2 + column])
+            clocks = np.linspace(start[2 + column], end[2 + column], max(1, math.ceil(turn / math.radians(5.0)) + 1))
+            sample = np.tile(start, (len(way) * len(clocks), 1))
+            sample[:, column], sample[:, 2 + column] = np.repeat(way, len(clocks)), np.tile(clocks, len(way))
+            samples.append(sample)
+            numbers.append(np.full(len(sample), number))
+        at, which = np.concatenate(samples), np.concatenate(numbers)
+        pose = self.poses(at[:, 0], at[:, 1], at[:, 3])[0]
+        points, frames = self.pipe.chord(at[:, 0], self.machine.row)
+        lowers = np.broadcast_to(np.eye(4), (len(at), 4, 4)).copy()
+        lowers[:, :3, :3], lowers[:, :3, 3] = turned(frames, at[:, 2]), points
+        freedoms = np.column_stack((pose, at[:, 3] - at[:, 2]))
+        met = touching(self.solids, self.machine, lowers, freedoms, AIR, True)
+        return ~np.bincount(which, weights=met, minlength=len(moves.end)).astype(bool)
+
+    def furthest(self, tries: int, states: list[tuple[float, float, float, float]], enough: float = math.inf) -> float:
+        """How far the lower gripper comes from given standings in some thousand random moves, or at least [m]."""
         cloud = np.array(states)
         for _ in range(math.ceil(tries / BATCH)):
             cloud = np.concatenate((cloud, self.made(self.drawn(cloud, BATCH))))
-            if len(cloud) > 400:
-                order = np.argsort(-cloud[:, 0] - cloud[:, 1], kind="stable")
-                cloud = cloud[np.concatenate((order[:300], self.rng.choice(order[300:], 50)))]
+            if cloud[:, 0].max() > enough:
+                break
         return float(cloud[:, 0].max())
 
 
@@ -203,8 +304,10 @@ def turned(frames: np.ndarray, clocks: np.ndarray) -> np.ndarray:
     return np.stack((c * x + s * y, c * y - s * x, frames[..., 2]), axis=-1)
 
 
-def attacked(run: PipeRun, robot: PipeClimber, plan: ClimbPlan, rng: np.random.Generator, tries: int) -> float:
-    """How far sampling comes from every standing of a plan that was refused [m]."""
+def attacked(
+    run: PipeRun, robot: PipeClimber, plan: ClimbPlan, rng: np.random.Generator, tries: int, enough: float = math.inf
+) -> float:
+    """How far sampling comes from every standing of a plan that was refused, or at least [m]."""
     sampler = Sampler(run, robot, rng)
     states = [
         (phase.s_lower, phase.s_upper, phase.clock, phase.clock + phase.start[3])
@@ -214,7 +317,7 @@ def attacked(run: PipeRun, robot: PipeClimber, plan: ClimbPlan, rng: np.random.G
     if plan.phases and plan.phases[-1].pipe_lower == plan.phases[-1].pipe_upper == "main":
         last = plan.phases[-1]
         states.append((last.s_lower, last.s_upper, last.clock, last.clock + last.end[3]))
-    return sampler.furthest(tries, states + begun(sampler))
+    return sampler.furthest(tries, states + begun(sampler), enough)
 
 
 def begun(sampler: Sampler) -> list[tuple[float, float, float, float]]:
@@ -229,30 +332,70 @@ def begun(sampler: Sampler) -> list[tuple[float, float, float, float]]:
     return found or [(run.start_s, run.start_s, run.start_clock, run.start_clock)]
 
 
-def trial(seed: int, tries: int) -> tuple[bool, list[str]]:
-    """One random run: whether it was climbed, and what is wrong with the answer."""
+def trial(seed: int, tries: int) -> dict[str, Any]:
+    """One random run: whether it is climbed, how far plan and sampling come, and what is wrong with the answer."""
     run = random_run(seed)
     machine = Machine.of(ROBOT)
     plan = as_plan(run, machine, climb(run, machine, PARTS), None)
-    far = -math.inf
+    far, reached = -math.inf, run.start_s + plan.reached_m
     if not plan.complete:
-        far = attacked(run, ROBOT, plan, np.random.default_rng(seed), tries)
-        if far > run.start_s + plan.reached_m + FURTHER:
-            plan = as_plan(run, machine, climb(run, machine), None)
+        far = attacked(run, ROBOT, plan, np.random.default_rng(seed), tries, reached + FURTHER)
+        if far > reached + FURTHER:
+            best = max((climb(run, machine, (parts,)) for parts in FINER), key=lambda found: found.progress)
+            plan = as_plan(run, machine, best, None)
+            reached = run.start_s + plan.reached_m
     wrong = faults(plan, run, ROBOT)
-    if not plan.complete and far > run.start_s + plan.reached_m + FURTHER:
-        wrong.append(f"sampling comes to {far:.4f} m, the plan to {run.start_s + plan.reached_m:.4f} m")
-    return plan.complete, wrong
+    if not plan.complete and far > reached + FURTHER:
+        wrong.append(f"sampling comes to {far:.4f} m, the plan to {reached:.4f} m")
+    return {
+        "seed": seed,
+        "climbed": plan.complete,
+        "reached_m": reached,
+        "sampled_m": max(far, reached),
+        "wrong": wrong,
+    }
+
+
+CRIPPLED = {
+    "does not turn": changed(ROBOT, "rcm", limit=1e-3),
+    "steps over nothing": changed(ROBOT, "gait", clearance=1e-3, relief=1e-3),
+    "short steps": changed(ROBOT, "cylinders", stroke=0.035),
+    "wrong clearance": changed(ROBOT, "gait", clearance=0.008, relief=0.012),
+}
+"""Machines that plan less than the real one can do: what they refuse wrongly the sampling has to notice."""
+
+
+def noticed(seed: int, crippled: PipeClimber, tries: int) -> bool | None:
+    """Whether sampling comes further on a random run than a crippled planner; None if that refuses nothing wrongly."""
+    run = random_run(seed)
+    able, less = (climb(run, Machine.of(robot), PARTS) for robot in (ROBOT, crippled))
+    if less.complete or able.progress < less.progress + FURTHER:
+        return None
+    plan = as_plan(run, Machine.of(crippled), less, None)
+    enough = less.progress + FURTHER
+    return attacked(run, ROBOT, plan, np.random.default_rng(seed), tries, enough) > enough
+
+
+def run_trials(path: Path, first: int, count: int, tries: int) -> None:
+    """Trials of a range of seeds, one line of JSON each; those that a file has already are not run again."""
+    lines = path.read_text().splitlines() if path.exists() else []
+    done = {found["seed"]: found for found in map(json.loads, lines)}
+    for seed in range(first, first + count):
+        if seed in done:
+            continue
+        began = time.process_time()
+        done[seed] = trial(seed, tries) | {"seconds": time.process_time() - began}
+        with path.open("a") as file:
+            file.write(json.dumps(done[seed]) + "\n")
+        if done[seed]["wrong"]:
+            print(done[seed], flush=True)
+    found = [done[seed] for seed in range(first, first + count)]
+    climbed, sound = (
+        sum(map(bool, column)) for column in zip(*((one["climbed"], not one["wrong"]) for one in found), strict=True)
+    )
+    spent = sum(one["seconds"] for one in found)
+    print(f"{climbed} of {count} climbed, the rest refused, {sound} answers confirmed; {spent:.0f} s of one core")
 
 
 if __name__ == "__main__":
-    first, count, most = (int(word) for word in sys.argv[1:4]) if len(sys.argv) > 3 else (0, 500, 2000)
-    began, passed, sound = time.process_time(), 0, 0
-    for number in range(first, first + count):
-        complete, wrong = trial(number, most)
-        passed += complete
-        sound += not wrong
-        if wrong or number % 25 == 24:
-            print(number, complete, wrong, f"{time.process_time() - began:.0f} s", flush=True)
-    spent = time.process_time() - began
-    print(f"{passed} of {count} climbed, the rest refused, {sound} answers confirmed; {spent:.0f} s of one core")
+    run_trials(Path(sys.argv[1]), *(int(word) for word in sys.argv[2:5] or (0, 500, 1800)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from climb_cases import ROBOT
 
-from steeplejack.planning.climb.collide import AIR, blocked_clocks, meets, solids_of
+from steeplejack.planning.climb.collide import AIR, blocked_clocks, meets, obstacles_of
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.robots.pipe_climber.bars import inner_radius, linkage_bars, mechanism_bars
 from steeplejack.worksite.pipe_builtin import load_pipe
@@ -47,7 +47,7 @@ def distance(points: np.ndarray, bar: np.ndarray) -> float:
 @pytest.mark.parametrize("name", ["clock-obstacle", "bend-300", "planar-cross", "flange"])
 def test_meeting_is_being_nearer_than_radius_and_air(name: str, rng: np.random.Generator):
     run = load_pipe(name)
-    solids, points = solids_of(run), cloud(run)
+    solids, points = obstacles_of(run), cloud(run)
     checked = 0
     for _ in range(60):
         middle = points[rng.integers(len(points))] + rng.normal(0.0, 0.05, 3)
@@ -67,7 +67,7 @@ def test_meeting_is_being_nearer_than_radius_and_air(name: str, rng: np.random.G
 
 def test_a_table_of_clocks_is_one_clock_at_a_time():
     run = load_pipe("around")
-    solids, s = solids_of(run), np.array([0.15, 0.2, 0.26, 0.33, 0.407, 0.41])
+    solids, s = obstacles_of(run), np.array([0.15, 0.2, 0.26, 0.33, 0.407, 0.41])
     points, frames = run.pipes[0].chord(s, MACHINE.row)
     poses = np.column_stack((np.zeros(6), np.linspace(0.15, 0.2, 6), np.zeros(6)))
     clocks = np.broadcast_to(2.0 * math.pi * np.arange(48) / 48, (6, 48))
@@ -86,4 +86,4 @@ def test_on_a_straight_nothing_low_is_met():
     poses = np.tile([0.0, 0.17, 0.0], (41, 1))
     clocks = np.broadcast_to(np.linspace(0.0, 6.0, 13), (41, 13))
     bars, radii = mechanism_bars(ROBOT, MACHINE.layout, poses)
-    assert not meets(solids_of(run), points, frames, clocks, bars, radii, AIR - 1e-6).any()
+    assert not meets(obstacles_of(run), points, frames, clocks, bars, radii, AIR - 1e-6).any()

@@ -65,7 +65,9 @@ def logged(path: Path, end: EndRecord | None = END, pictures: tuple[Picture, ...
     """A climb of one stroke."""
     recorder = Recorder(path)
     solids = (SolidRecord("pipe", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.03),)
-    recorder.write("/run", RunRecord("r<1>", "a pipe", "test", (0.0, 0.0, -9.81), (0.3, 0.3), solids, "0", 0.25), 0.0)
+    recorder.write(
+        "/run", RunRecord("r<1>", "a pipe", "test", (0.0, 0.0, -9.81), (0.3, 0.3), solids, "0", 0.25, 7), 0.0
+    )
     recorder.write("/robot", ROBOT, 0.0)
     recorder.write("/plan", PlanRecord(PHASES, 6.0, 0.05, True, None), 0.0)
     for time in np.arange(0.0, 6.01, 0.1):
@@ -88,7 +90,7 @@ def test_figures_are_those_of_the_log(tmp_path: Path) -> None:
     assert found.summary.distance_m == pytest.approx(0.05) and found.summary.steps == 1
     assert found.summary.mean_speed_mm_s == pytest.approx(50.0 / 6.0)
     assert found.summary.max_actuator_force_n == 5.0
-    assert found.least_margin == 0.15 and found.margin_at[1] == 1
+    assert found.summary.min_friction_margin == 0.15 and found.margin_at[1:] == (1, "move")
     assert found.largest_error == (4e-4, 1e-3)
     cylinders, grip = ROBOT.cylinders, ROBOT.gripper.close_time
     assert found.bound == pytest.approx(cylinders.stroke / (2 * cylinders.stroke / cylinders.speed + 4 * grip))
@@ -99,7 +101,7 @@ def test_the_page_is_whole_and_fetches_nothing(tmp_path: Path) -> None:
     write_climb_report(log, page)
     text = page.read_text()
     assert "r&lt;1&gt;" in text and "r<1>" not in text
-    assert "0.25 kg on the upper gripper" in text and "Climbed to the goal" in text
+    assert "0.25 kg on the upper gripper" in text and "with errors, seed 7" in text and "Climbed to the goal" in text
     assert len(re.findall(r"<img ", text)) == 2
     assert not re.search(r"(src|href)=\"(?!data:|#)", text)
     shown = [b64decode(data) for data in re.findall(r"data:image/webp;base64,([^\"]+)", text)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase, Pose
@@ -12,6 +14,7 @@ from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.solids import Solid
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_builtin import load_pipe
+from steeplejack.worksite.pipe_run import PipeRun
 
 ROBOT = load_pipe_climber()
 LAYOUT = Layout.of(ROBOT)
@@ -24,7 +27,7 @@ def hung(
     closed: tuple[bool, bool], pose: Pose = (0.0, 0.16, 0.0, 0.0), mu: float = 0.3, top: float = 2.0
 ) -> ClimberPlant:
     """A robot hanging still on a vertical pipe that ends at a height [m]."""
-    pipe = Solid("pipe", "capsule", np.array([0.0, 0.0, -0.5]), np.array([0.0, 0.0, top]), 0.03)
+    pipe = Solid("pipe", "cylinder", np.array([0.0, 0.0, -0.5]), np.array([0.0, 0.0, top]), 0.03)
     start = Start(np.eye(4), np.array(pose), np.full(2, 0.03), closed)
     return ClimberPlant(ROBOT, LAYOUT, [pipe], GRAVITY, start, (mu, mu))
 
@@ -43,7 +46,7 @@ def strides(count: int, s: float = 0.05, speed: float = ROBOT.cylinders.speed) -
     """Full strokes straight up, grip and release in their declared time."""
     grip, phases = ROBOT.gripper.close_time, list[Phase]()
     low, high = (0.0, LOW, 0.0, 0.0), (0.0, LOW + STROKE, 0.0, 0.0)
-    times, way = travel(STROKE, 0.995 * speed)
+    times, way = travel(STROKE, 0.999 * speed)
 
     def poses(w: np.ndarray) -> np.ndarray:
         return np.column_stack([0.0 * w, w, 0.0 * w, 0.0 * w])
@@ -82,11 +85,18 @@ def turns(*angles: float, s: float = 0.05) -> ClimbPlan:
     return ClimbPlan(RUN.name, ROBOT.name, tuple(phases), 0.0, True, None)
 
 
-def started(plan: ClimbPlan, mu: float = 0.3) -> tuple[ClimbRun, ClimberPlant, Watch]:
-    """A run that has not begun, its plant, and what watches it."""
-    plant = ClimbSession(plan, RUN, ROBOT, LAYOUT, (mu, mu)).plant()
-    watch = Watch(plant, RUN, None)
-    return ClimbRun(plan, RUN, ROBOT, LAYOUT, plant, watch), plant, watch
+def started(
+    plan: ClimbPlan, mu: float = 0.3, seed: int | None = None, run: PipeRun = RUN
+) -> tuple[ClimbRun, ClimberPlant, Watch]:
+    """A run that has not begun, its plant, and what watches it; sensors without errors unless there is a seed."""
+    plant = ClimbSession(plan, run, ROBOT, LAYOUT, (mu, mu), seed=seed).plant()
+    watch = Watch(plant, run, None)
+    return ClimbRun(plan, run, ROBOT, LAYOUT, plant, watch), plant, watch
+
+
+def leaning(lean: float, clock: float) -> np.ndarray:
+    """Gravity on a pipe that leans, toward a clock of the robot (3,) [m/s2]."""
+    return 9.81 * np.array([math.sin(lean) * math.cos(clock), math.sin(lean) * math.sin(clock), -math.cos(lean)])
 
 
 def nothing(_time: float) -> None:

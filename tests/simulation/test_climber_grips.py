@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hung_climber import LAYOUT, ROBOT, hung
+from hung_climber import LAYOUT, ROBOT, hung, leaning
 
 from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
@@ -21,15 +21,10 @@ POSE = (0.0, 0.17, 0.0, 0.0)
 PIPES = {"lower": (-0.5, 0.06), "upper": (0.11, 2.0)}  # so short that the open gripper finds nothing to rest on
 
 
-def tilted(lean: float, clock: float) -> np.ndarray:
-    """Gravity on a pipe that leans, toward a clock of the robot."""
-    return 9.81 * np.array([math.sin(lean) * math.cos(clock), math.sin(lean) * math.sin(clock), -math.cos(lean)])
-
-
 def moved(end: str, gravity: np.ndarray) -> float:
     """How far a gripper that holds alone has moved on its pipe after 0.75 s [m]."""
     low, high = PIPES[end]
-    pipe = Solid("pipe", "capsule", np.array([0.0, 0.0, low]), np.array([0.0, 0.0, high]), RADIUS)
+    pipe = Solid("pipe", "cylinder", np.array([0.0, 0.0, low]), np.array([0.0, 0.0, high]), RADIUS)
     start = Start(np.eye(4), np.array(POSE), np.full(2, RADIUS), (end == "lower", end == "upper"))
     plant = ClimberPlant(ROBOT, LAYOUT, [pipe], gravity, start, (ROBOT.gripper.friction,) * 2)
     before = getattr(plant.truth(), end).copy()
@@ -40,12 +35,12 @@ def moved(end: str, gravity: np.ndarray) -> float:
 @pytest.mark.parametrize(("end", "clock"), [("lower", 0.5 * math.pi), ("upper", 0.5 * math.pi), ("upper", 0.9)])
 def test_a_grip_slips_in_physics_where_its_use_passes_one(end: str, clock: float):
     leans = np.linspace(0.0, 0.5 * math.pi, 181)
-    loads = np.array([grip_loads(ROBOT, LAYOUT, np.array(POSE), tilted(lean, clock)) for lean in leans])
+    loads = np.array([grip_loads(ROBOT, LAYOUT, np.array(POSE), leaning(lean, clock)) for lean in leans])
     use = grip_use(grip_body(ROBOT, RADIUS), loads[:, 0 if end == "lower" else 1])
     held, lost = leans[np.flatnonzero(use < 0.93)[-1]], leans[int(np.argmax(use))]
-    assert moved(end, tilted(float(held), clock)) < 3e-4
+    assert moved(end, leaning(float(held), clock)) < 3e-4
     if use.max() > 1.07:
-        assert moved(end, tilted(float(lost), clock)) > 1e-3
+        assert moved(end, leaning(float(lost), clock)) > 1e-3
 
 
 @pytest.mark.parametrize("pose", [(0.0, 0.15, 0.0, 0.0), (0.0, 0.2, 0.0, 0.4), (0.02, 0.17, 0.15, -0.3)])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hung_climber import GRAVITY, LAYOUT, ROBOT, RUN, nothing, strides
 
-from steeplejack.control.climber import holding_forces
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.runtime.climb_record import EndRecord

@@ -47,64 +47,79 @@ def move(hold: str) -> Phase:
     return next(phase for phase in strides(1).phases if phase.kind == "move" and phase.hold.value == hold)
 
 
+def metered(off: tuple[float, float]) -> Odometer:
+    """An odometer that has counted so much of the pipe through closed grippers."""
+    meter = Odometer(ROBOT, LAYOUT, np.array([0.4, 0.9]))
+    meter.count(np.ones(2, bool), np.array([0.4, 0.9]) + off)
+    return meter
+
+
+def lengths_of(pose: np.ndarray, further: float = 0.0) -> np.ndarray:
+    return limb_lengths(LAYOUT, pose[:3] + [0.0, further, 0.0])
+
+
+def short_of_the_window(hold: str) -> Phase:
+    whole = move(hold)
+    poses = whole.poses * np.array([1.0, 0.6, 1.0, 1.0]) + np.array([0.0, 0.4 * 0.175, 0.0, 0.0])
+    return replace(whole, poses=poses, start=tuple(poses[0]), end=tuple(poses[-1]))
+
+
 @pytest.mark.parametrize("hold", ["lower", "upper"])
 def test_a_move_makes_up_for_where_the_grippers_are(hold: str) -> None:
     """The gripper that moves ends at its place on the pipe, wherever the other one and itself have been."""
-    whole = move(hold)
-    poses = whole.poses * np.array([1.0, 0.6, 1.0, 1.0]) + np.array([0.0, 0.4 * 0.175, 0.0, 0.0])  # inside the windows
-    phase = replace(whole, poses=poses, start=tuple(poses[0]), end=tuple(poses[-1]))
+    phase = short_of_the_window(hold)
     reference = MoveReference.of(LAYOUT, phase, STEP)
-    off = np.array([-3e-4, 2e-4])
-    meter = Odometer(ROBOT, LAYOUT, RUN, np.array([0.4, 0.9]), phase)
-    assert np.allclose(meter.off(phase, np.array([0.4, 0.9]) + off), off)
-    made = meter.corrected(reference, phase, np.array([0.4, 0.9]) + off)
+    off = (-3e-4, 2e-4)
+    meter = metered(off)
+    assert np.allclose(meter.off, off)
+    made = meter.corrected(reference, phase, lengths_of(reference.poses[0], off[1] - off[0]))
     gap = made.poses[:, 1] - reference.poses[:, 1]
-    assert gap[0] == pytest.approx(off[1] - off[0])
-    lower, upper = (off[0], off[0] + gap[-1]) if hold == "lower" else (off[1] - gap[-1], off[1])
-    assert (upper if hold == "lower" else lower) == pytest.approx(0.0, abs=1e-12)
+    assert gap[0] == pytest.approx(off[1] - off[0], abs=1e-7)
+    moves = 1 if hold == "lower" else 0
+    meter.moved(phase, made, lengths_of(made.poses[-1]), True)
+    assert meter.off[moves] == pytest.approx(0.0, abs=1e-7)
+    assert meter.off[1 - moves] == pytest.approx(off[1 - moves])
     assert np.allclose(made.joints[:, :3], limb_lengths(LAYOUT, made.poses[:, :3]))
     assert np.allclose(made.joints[0] + STEP * made.rates.sum(axis=0), made.joints[-1])
 
 
 def test_no_correction_leaves_the_cylinders_windows() -> None:
-    """At the end of a full stroke there is nothing left to make up with."""
+    """At the end of a full stroke there is nothing left to make up with, and the robot knows by how much it is off."""
     phase = move("lower")
     reference = MoveReference.of(LAYOUT, phase, STEP)
-    meter = Odometer(ROBOT, LAYOUT, RUN, np.zeros(2), phase)
-    made = meter.corrected(reference, phase, np.array([-5e-4, -5e-4]))
+    meter, start = metered((-5e-4, -5e-4)), lengths_of(reference.poses[0])
+    made = meter.corrected(reference, phase, start)
     assert made.joints[-1, :3].max() <= np.max(np.array(ROBOT.cylinders.retracted) + ROBOT.cylinders.stroke) + 1e-9
     assert np.allclose(made.poses[-1], reference.poses[-1], atol=1e-9)
-    shorter = meter.corrected(reference, phase, np.array([5e-4, 5e-4]))
+    meter.moved(phase, made, lengths_of(made.poses[-1], -4e-5), True)
+    assert np.allclose(meter.off, (-5e-4, -5.4e-4), atol=1e-7)
+    shorter = metered((5e-4, 5e-4)).corrected(reference, phase, start)
     assert reference.poses[-1, 1] - shorter.poses[-1, 1] == pytest.approx(5e-4)
 
 
 def test_a_correction_is_no_faster_than_the_cylinders() -> None:
     phase = move("upper")
     reference = MoveReference.of(LAYOUT, phase, STEP)
-    made = Odometer(ROBOT, LAYOUT, RUN, np.zeros(2), phase).corrected(reference, phase, np.array([-2e-3, 0.0]))
+    made = metered((-2e-3, 0.0)).corrected(reference, phase, lengths_of(reference.poses[0], 2e-3))
     planned = np.abs(reference.rates[:, :3]).max()
     assert np.abs(made.rates[:, :3]).max() <= max(ROBOT.cylinders.speed, planned) * (1.0 + 1e-9)
     assert len(made.poses) > len(reference.poses) and made.duration > reference.duration
 
 
-def test_a_bend_passes_through_a_gripper_by_its_chords() -> None:
-    """(1 - cos(row / R)) of a bend is not counted, and is no error of place."""
-    run = load_pipe("bend-300")
-    first = replace(move("lower"), s_lower=0.10, s_upper=0.25)
-    beyond = replace(first, s_lower=0.90, s_upper=1.10)
-    meter = Odometer(ROBOT, LAYOUT, run, np.zeros(2), first)
-    bent = 0.3 * math.pi / 2.0 - ROW * 2.0 / 3.0  # less where one row is still on the straight
-    counted = np.array([0.80, 0.85]) - bent * (1.0 - math.cos(ROW / 0.3))
-    assert np.allclose(meter.off(beyond, counted), 0.0, atol=2e-5)
-
-
-def test_a_gripper_that_has_crossed_is_where_it_should_be() -> None:
-    phase = move("lower")
-    other = replace(load_pipe("planar-cross").pipes[1], name="other")
-    meter = Odometer(ROBOT, LAYOUT, replace(RUN, pipes=(*RUN.pipes, other)), np.zeros(2), phase)
-    crossed = replace(phase, pipe_upper="other", s_upper=0.3)
-    assert np.allclose(meter.off(crossed, np.array([1e-4, 7e-4])), [1e-4, 0.0])
-    assert np.allclose(meter.off(crossed, np.array([1e-4, 9e-4])), [1e-4, 2e-4])
+def test_only_what_passes_through_a_closed_gripper_counts() -> None:
+    """An open gripper's sensor counts half a metre; one that has gone to another pipe is taken to be in its place."""
+    meter = metered((0.0, 0.0))
+    for passed in (np.array([0.4, 1.0]), np.array([0.4001, 1.4])):
+        meter.count(np.array([True, False]), passed)
+    meter.count(np.array([True, True]), np.array([0.4002, 1.5]))  # just told to close
+    assert np.allclose(meter.off, (2e-4, 0.0))
+    phase = short_of_the_window("lower")
+    reference = MoveReference.of(LAYOUT, phase, STEP)
+    start = lengths_of(reference.poses[0])
+    crossing = meter.corrected(reference, phase, start, together=False)
+    assert np.allclose(crossing.poses, reference.poses, atol=1e-7)
+    meter.moved(phase, crossing, lengths_of(crossing.poses[-1], 1e-4), False)
+    assert np.allclose(meter.off, (2e-4, 0.0))
 
 
 def test_open_jaws_clear_what_lies_between() -> None:

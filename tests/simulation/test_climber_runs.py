@@ -9,6 +9,7 @@ import pytest
 from hung_climber import LAYOUT, ROBOT, nothing
 
 from steeplejack.planning.climb import ClimbPlan, plan_climb
+from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.watch import Watch
@@ -44,5 +45,24 @@ def test_the_hard_part_is_climbed_within_a_millimetre_and_half_a_degree(name: st
     assert max(grip.error_m for grip in closed) < 1e-3
     assert max(grip.place_error_m for grip in closed) < 1e-3
     assert max(grip.error_rad for grip in closed) < math.radians(0.5)
+    moving = [one for sample in watch.samples if sample.act == "move" for one in sample.margin if one is not None]
+    assert min(moving) > ROBOT.gait.reserve - 0.02  # as planned, but for the edges of the cones
     turned = max(abs(sample.reference[3]) for sample in watch.samples)
     assert (turned > 0.1) is (name in ("clock-obstacle", "around"))
+
+
+def test_the_planar_cross_is_climbed_over() -> None:
+    """With cylinders of 120 mm: the upper gripper goes over to the level pipe, then the lower one after it."""
+    run, robot = load_pipe("planar-cross"), load_pipe_climber("pipe-climber-cross")
+    whole = plan_climb(run, robot)
+    steps = [i for i, one in enumerate(whole.phases) if one.crosses]
+    plan = replace(whole, phases=whole.phases[steps[0] : steps[-1] + 1])
+    mu = robot.gripper.friction
+    plant = ClimbSession(plan, run, robot, Layout.of(robot), (mu, mu)).plant()
+    watch = Watch(plant, run, None)
+    end = ClimbRun(plan, run, robot, Layout.of(robot), plant, watch).run(nothing)
+    assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
+    assert [grip.gripper for grip in watch.grips][-1] == "lower" and plan.phases[-1].pipe_upper == "level"
+    assert max(grip.error_m for grip in watch.grips) < 1e-3
+    assert max(grip.place_error_m for grip in watch.grips) < 1e-3
+    assert max(grip.error_rad for grip in watch.grips) < math.radians(0.5)

@@ -9,11 +9,16 @@ from hung_climber import GRAVITY, LAYOUT, ROBOT, hung
 from steeplejack.control.climber import Command, holding_forces
 from steeplejack.control.climber.jaws import open_place
 from steeplejack.planning.climb.plan import Pose
-from steeplejack.robots.pipe_climber.grippers import free_gripper
+from steeplejack.robots.pipe_climber.grippers import free_gripper, freedoms_of
 from steeplejack.robots.pipe_climber.inverse import limb_vectors
 from steeplejack.robots.pipe_climber.jacobian import jacobian
+from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.statics import actuator_forces
 from steeplejack.robots.pipe_climber.weights import BODY_SHARE, linkage_mass
+from steeplejack.simulation.climber.pipe import frame_at, solids_of
+from steeplejack.simulation.climber.plant import ClimberPlant, Start
+from steeplejack.simulation.climber.solids import Solid
+from steeplejack.worksite.pipe_builtin import load_pipe
 
 TILTED: Pose = (0.015, 0.175, 0.12, 0.2)
 
@@ -97,7 +102,7 @@ def _wrench(pose: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("pose", [(0.0, 0.16, 0.0), (0.0, 0.195, 0.0), TILTED[:3], (-0.02, 0.18, -0.15)])
 def test_forces_at_slow_speed_are_those_of_the_static_jacobian(pose: tuple[float, float, float]) -> None:
     """The platform is moved at 2 mm/s with the lower gripper on the pipe; J^T f balances the weight within 5 %."""
-    plant = hung((True, False), (*pose, 0.0), mu=1.0, top=0.03)
+    plant = hung((True, False), (*pose, 0.0), mu=1.0, top=0.06)
     plant.apply(Command(np.zeros(3), 0.0, np.array([True, False]), np.full(2, open_place(ROBOT, 0.03))))
     plant.advance(200)
     speeds = jacobian(LAYOUT, pose)[:, 1] * 2e-3
@@ -112,10 +117,7 @@ def test_forces_at_slow_speed_are_those_of_the_static_jacobian(pose: tuple[float
 
 
 def test_gravity_may_come_from_anywhere() -> None:
-    from steeplejack.simulation.climber.plant import ClimberPlant, Start
-    from steeplejack.simulation.climber.solids import Solid
-
-    pipe = Solid("pipe", "capsule", np.array([0.0, 0.0, -0.5]), np.array([0.0, 0.0, 2.0]), 0.03)
+    pipe = Solid("pipe", "cylinder", np.array([0.0, 0.0, -0.5]), np.array([0.0, 0.0, 2.0]), 0.03)
     start = Start(np.eye(4), np.array([0.0, 0.16, 0.0, 0.0]), np.full(2, 0.03), (True, True))
     for direction in np.eye(3):
         plant = ClimberPlant(ROBOT, LAYOUT, [pipe], 9.81 * direction, start, (0.3, 0.3))
@@ -143,3 +145,23 @@ def test_either_gripper_alone_makes_the_forces_that_are_handed_over(end: int, w:
     plant.advance(800)
     expected = holding_forces(ROBOT, LAYOUT, np.array([0.0, w + 8e-4, 0.0, 0.0]), GRAVITY)[end]
     assert np.abs(plant.truth().forces - expected).max() < 0.05 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("s", [0.28, 0.60])
+@pytest.mark.parametrize("end", [0, 1])
+def test_either_gripper_alone_makes_those_forces_in_a_bend(s: float, end: int) -> None:
+    """Where the bend begins and in its middle, the upper gripper 150 mm on: tilted, and gravity across the robot."""
+    run, row = load_pipe("bend-300"), pad_row(ROBOT)
+    pipe = run.pipes[0]
+    lower, upper = frame_at(pipe, s, 0.0, row), frame_at(pipe, s + 0.15, 0.0, row)
+    pose = freedoms_of(np.linalg.solve(lower, upper), ROBOT.linkage.claw_offset, tolerance=1e-4)
+    closed, opening = np.array([end == 0, end == 1]), np.full(2, open_place(ROBOT, 0.03))
+    start = Start(lower, pose, np.full(2, 0.03), (end == 0, end == 1))
+    plant = ClimberPlant(ROBOT, LAYOUT, solids_of(run), GRAVITY, start, (1.5, 1.5))
+    along = np.array([np.sin(pose[2]), np.cos(pose[2]), 0.0])
+    plant.apply(Command(jacobian(LAYOUT, pose[:3]) @ along * 2e-3, 0.0, closed, opening))
+    plant.advance(800)
+    truth = plant.truth()
+    there = freedoms_of(np.linalg.solve(truth.lower, truth.upper), ROBOT.linkage.claw_offset, tolerance=1e-2)
+    expected = holding_forces(ROBOT, LAYOUT, there, GRAVITY @ truth.lower[:3, :3])[end]
+    assert np.abs(truth.forces - expected).max() < 0.05 * np.abs(expected).max()

@@ -215,7 +215,7 @@ def _binding(problem: Reconfiguration, duty: Duty) -> str:
 
     first = replace(problem, poses=problem.poses[:1])
     if duty.mass is None:
-        return f"pose 1 has no wrench closure: {binding_limits(first)[0].text}"
+        return f"no wrench closure at {binding_limits(first)[0].text}"
     grid = first_grid(first, first_step(problem.windows))
     least, largest = duty.window
     without = {

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +14,7 @@ import typer
 from steeplejack.cli.climber_options import ClimberRobot
 from steeplejack.cli.terminal import Ended, Json, Out, bar, emit, say, stoppable, target, writing
 from steeplejack.errors import InfeasibleError, InputError
-from steeplejack.robots.pipe_climber import BUILT_IN, Layout, load_pipe_climber
+from steeplejack.robots.pipe_climber import BUILT_IN, Layout, PipeClimber, load_pipe_climber
 from steeplejack.worksite.pipe_builtin import load_pipe
 
 if TYPE_CHECKING:
@@ -27,7 +29,11 @@ def climb(
     robot: ClimberRobot = BUILT_IN,
     mu: Annotated[
         float | None,
-        typer.Option(help="Friction of the pads in physics; the plan counts on the file's.", show_default="the file's"),
+        typer.Option(help="Friction of the pads on this pipe, for plan and physics.", show_default="the file's"),
+    ] = None,
+    mu_in_physics: Annotated[
+        float | None,
+        typer.Option(help="Friction in physics alone, unknown to the plan: an experiment.", show_default="as --mu"),
     ] = None,
     payload_kg: Annotated[float, typer.Option(help="Carried by the upper gripper.")] = 0.0,
     pictures: Annotated[bool, typer.Option(help="Render a film strip into the log.")] = True,
@@ -39,15 +45,15 @@ def climb(
     from steeplejack.planning.climb import plan_climb
     from steeplejack.simulation.climber.session import ClimbSession
 
-    machine, run = load_pipe_climber(robot), load_pipe(pipe)
-    friction = _friction(mu, machine.gripper.friction)
+    run, machine = load_pipe(pipe), _rubbing(load_pipe_climber(robot), mu)
+    friction = _friction("--mu-in-physics", mu_in_physics, machine.gripper.friction)
     if not 0.0 <= payload_kg < math.inf:
         raise InputError("--payload-kg", f"{payload_kg:g}", "a finite mass of at least 0")
     target(out)
     say(f"{run.name}: {run.description}")
     with bar("plan", None):
-        plan = plan_climb(run, machine, payload_kg)
-    say(f"{plan.steps} steps, {plan.reached_m:.3f} m, {plan.duration:.0f} s planned")
+        plan = plan_climb(run, machine, payload_kg, _after_a_while())
+    say(f"{plan.steps} steps, {plan.reached_m:.3f} m, {plan.duration:.0f} s planned for {_about(machine, friction)}")
     if not plan.complete:
         raise InfeasibleError(f"climbing {run.name} to its goal", plan.blocked or "the goal is out of reach")
     session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction), payload_kg)
@@ -58,12 +64,39 @@ def climb(
         raise Ended(f"the climb ended early, {how}: {end.why}; log and report are complete to there")
 
 
-def _friction(asked: float | None, declared: float) -> float:
-    """The coefficient, as asked for or the robot file's."""
+def _friction(option: str, asked: float | None, declared: float) -> float:
+    """The coefficient, as asked for or else as declared."""
     friction = declared if asked is None else asked
     if not 0.0 < friction <= 2.0:
-        raise InputError("--mu", f"{friction:g}", "above 0, up to 2")
+        raise InputError(option, f"{friction:g}", "above 0, up to 2")
     return friction
+
+
+def _rubbing(machine: PipeClimber, mu: float | None) -> PipeClimber:
+    """The machine with pads of a friction, if one is asked for."""
+    gripper = machine.gripper
+    friction = _friction("--mu", mu, gripper.friction)
+    return msgspec.structs.replace(machine, gripper=msgspec.structs.replace(gripper, friction=friction))
+
+
+def _about(machine: PipeClimber, friction: float) -> str:
+    """What plan and physics count on, in words."""
+    planned = machine.gripper.friction
+    kept = f"mu = {planned:g} with {100.0 * machine.gait.reserve:.0f} % of the grip in reserve"
+    return kept if friction == planned else f"{kept}; in physics mu = {friction:g}"
+
+
+def _after_a_while() -> Callable[[str], None]:
+    """Says what goes on, not before two seconds and every two at most."""
+    last = time.monotonic()
+
+    def tell(text: str) -> None:
+        nonlocal last
+        if time.monotonic() - last >= 2.0:
+            last = time.monotonic()
+            say(f"{text} ...")
+
+    return tell
 
 
 def _climbed(session: ClimbSession, pictures: bool, video: bool, out: Path) -> tuple[EndRecord, dict[str, Any]]:
@@ -93,6 +126,7 @@ def show_summary(answer: dict[str, Any]) -> None:
         "duration": f"{answer['duration_s']:.1f} s, {answer['mean_speed_mm_s']:.2f} mm/s on average",
         "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
         "least transmission": f"{answer['min_transmission']:.3f}",
+        "least friction left": f"{answer['min_friction_margin'] or 0.0:.3f}",
         "collisions": answer["collisions"],
         "log": answer["log"],
         "report": answer["report"],

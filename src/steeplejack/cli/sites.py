@@ -38,6 +38,9 @@ def robots(json: Json = False) -> None:
     machines = {
         load_squad().name: "Zheng et al., CCRobot-S, IEEE T-RO, presented at ICRA 2026; estimates marked in the file",
         load_pipe_climber().name: "Ye et al., Robotica 2024, doi 10.1017/S0263574724002133; estimates marked in it",
+        load_pipe_climber(
+            "pipe-climber-cross"
+        ).name: "the same with long cylinders and wide tilt, an estimate: it crosses",
     }
     if json:
         emit({"robots": [{"name": name, "source": source} for name, source in machines.items()]})

@@ -38,8 +38,9 @@ def emit(answer: Any) -> None:
 
 def show(answer: dict[str, Any]) -> None:
     """Print an answer for a person, a line each."""
+    width = max((24, *(len(name) + 1 for name in answer)))
     for name, value in answer.items():
-        print(f"{name:<24}{_rounded(value)}")
+        print(f"{name:<{width}}{'-' if value is None else _rounded(value)}")
 
 
 def _rounded(value: object) -> object:

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from steeplejack.errors import InfeasibleError
 from steeplejack.planning.cell import AMPLE, Cell
 from steeplejack.planning.certificate import Scene
-from steeplejack.planning.chain import Limits, Planned, best_chain
+from steeplejack.planning.chain import Planned, best_chain
 from steeplejack.planning.lattice import Lattice, runs
 from steeplejack.planning.legs import driving, flight, four, joined, least_margin
 from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered
 from steeplejack.planning.moves import fly, squad_move
+from steeplejack.planning.outlook import Limits
 from steeplejack.planning.pool import LOWER, UPPER, Site, pools
 from steeplejack.planning.stances import find, why_not
 from steeplejack.planning.visits import visits

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 DRIVE_SAMPLE = 0.25  # [m] between certified places of a base under way
 PARKS = 12  # parks certified for one drive before it counts as impossible
-SPARE = 0.05  # [1] of its drive force that a base under way keeps beyond the reserve, where that can be certified
+SPARE = 0.05  # [1] of its drive force that a base under way keeps beyond the reserve, where a park allows it
 CROWDED = 40.0  # [N] of room above which a park is no better for having more
 
 
@@ -77,6 +77,31 @@ def _parks(scene: Scene, lattice: Lattice, base: int, s: Array, clock: Array, pl
             yield nodes[index]
 
 
+def _held_parks(
+    scene: Scene, lattice: Lattice, base: int, s: Array, clock: Array, place: Array
+) -> Iterator[tuple[Array, Array]]:
+    """Parks (3,) certified for a whole drive, with their linear limits: those that leave pull to spare before the rest.
+
+    What is spared of the pull of the base under way is left for what control adds.
+    """
+    anchors, pull = scene.anchors(s, clock, base)
+    eased = pull.copy()
+    eased[..., ALONG, base, 3] -= SPARE * scene.squad.base.drive_force
+    others: list[Array] = []
+    for park in _parks(scene, lattice, base, s, clock, place):
+        if _held(scene, anchors, eased, park):
+            yield park, eased
+        else:
+            others.append(park)
+    for park in others:
+        if _held(scene, anchors, pull, park):
+            yield park, pull
+
+
+def _held(scene: Scene, anchors: Array, pull: Array, park: Array) -> bool:
+    return bool(hold(scene, anchors, pull, np.tile(park, (len(anchors), 1))).along.all())
+
+
 def fly(scene: Scene, lattice: Lattice, stance: Stance, start: Array, end: Array) -> tuple[Array, ...] | None:
     """Straight, certified pieces from one place (3,) to another within a stance; None when there is no way."""
     if np.allclose(start, end):
@@ -129,14 +154,7 @@ def squad_move(scene: Scene, now: Stance, then: Stance, place: Array, lattice: L
         s, clock = _drive(scene, now, then, base)
         if not _passable(scene, s, base):
             continue
-        anchors, pull = scene.anchors(s, clock, base)
-        for park in _parks(scene, lattice, base, s, clock, place):
-            places = np.tile(park, (len(s), 1))
-            kept = next(
-                (each for each in (_eased(scene, pull, base), pull) if _held(scene, anchors, each, places)), None
-            )
-            if kept is None:
-                continue
+        for park, kept in _held_parks(scene, lattice, base, s, clock, place):
             flight = fly(scene, lattice, now, place, park)
             if flight is None:
                 continue
@@ -146,17 +164,6 @@ def squad_move(scene: Scene, now: Stance, then: Stance, place: Array, lattice: L
                 return [Drive(base, flight, park, s, clock, now, kept), *rest]
             break
     return None
-
-
-def _eased(scene: Scene, pull: Array, base: int) -> Array:
-    """Linear limits (..., 2, 4, 4) with less pull of the base under way: more is left for what control adds."""
-    eased = pull.copy()
-    eased[..., ALONG, base, 3] -= SPARE * scene.squad.base.drive_force
-    return eased
-
-
-def _held(scene: Scene, anchors: Array, pull: Array, places: Array) -> bool:
-    return bool(hold(scene, anchors, pull, places).along.all())
 
 
 def _set(values: tuple[float, float, float, float], index: int, value: float) -> tuple[float, float, float, float]:

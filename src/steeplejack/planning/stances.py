@@ -1,8 +1,11 @@
 """The grid of stances for a cell: where the four bases may stand so that the platform is held along it.
 
 Candidates are products of a few offsets of each base from the ends of the cell. The fast survey ranks them by how much
-of the cell they hold, at some stations first; the best are certified until one holds as much as any can. From there
-:mod:`steeplejack.planning.pool` goes on.
+of the cell they hold, at some stations first (which changed no plan of four and takes a third off the time); the best
+are certified until one holds as much as any can. From there :mod:`steeplejack.planning.pool` goes on.
+
+So many are needed: with 256 instead of 3,136 all of four plans are worse. That of ``make inspect`` drives 10 m more and
+its least slip margin is 0.117 instead of 0.131, another misses 3 of 207 stations. With 16 one misses 48 of 375.
 """
 
 from __future__ import annotations

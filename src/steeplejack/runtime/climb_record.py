@@ -44,7 +44,7 @@ class SolidRecord(msgspec.Struct, frozen=True):
 
 
 class RunRecord(msgspec.Struct, frozen=True):
-    """What was climbed, on what grips, and with what on the upper gripper."""
+    """What was climbed, on what grips, with what on the upper gripper, and the seed of the sensors' errors."""
 
     name: str
     description: str
@@ -54,6 +54,7 @@ class RunRecord(msgspec.Struct, frozen=True):
     solids: tuple[SolidRecord, ...]
     version: str
     payload_kg: float = 0.0
+    seed: int | None = None
 
 
 class PhaseRecord(msgspec.Struct, frozen=True):

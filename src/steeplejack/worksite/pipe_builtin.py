@@ -10,7 +10,7 @@ from steeplejack.worksite.builtin import DATA, Listing
 from steeplejack.worksite.pipe_file import decode_pipes
 from steeplejack.worksite.pipe_run import PipeRun, build_run
 
-PIPES = ("straight-vertical", "around", "bend-300", "flange", "clock-obstacle", "planar-cross")
+PIPES = ("straight-vertical", "around", "bend-300", "flange", "clock-obstacle", "reducer", "planar-cross")
 
 
 def list_pipes() -> tuple[Listing, ...]:

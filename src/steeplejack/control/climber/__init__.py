@@ -2,7 +2,6 @@
 
 from steeplejack.control.climber.controller import ClimberController, State, Status
 from steeplejack.control.climber.gait import FIRST, TRANSITIONS, Act, Outcome, closed_in, taken_up
-from steeplejack.control.climber.load import holding_forces
 from steeplejack.control.climber.signals import Command, Measurement, Plant, Reference
 
 __all__ = [
@@ -18,6 +17,5 @@ __all__ = [
     "State",
     "Status",
     "closed_in",
-    "holding_forces",
     "taken_up",
 ]

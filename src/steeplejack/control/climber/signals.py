@@ -47,6 +47,7 @@ class Measurement:
         jaws: How far the pads of each gripper stand from its axis (2,) [m].
         grip: Force of a jaw of each gripper, as normal force of its pads (2,) [N].
         passed: How far the pipe has passed through each gripper, along and around, summed since the start (2, 2) [m].
+        gravity: By the inclinometer, in the lower gripper's frame (3,) [m/s2].
     """
 
     lengths: Array
@@ -55,12 +56,13 @@ class Measurement:
     jaws: Array
     grip: Array
     passed: Array
+    gravity: Array
 
     @property
     def readable(self) -> bool:
         """Whether every reading is a finite number."""
         total = self.lengths.sum() + self.forces.sum() + self.beta + self.jaws.sum() + self.grip.sum()
-        return bool(np.isfinite(total + self.passed.sum()))
+        return bool(np.isfinite(total + self.passed.sum() + self.gravity.sum()))
 
 
 @dataclass(frozen=True)

@@ -50,15 +50,16 @@ class BindingLimit:
 
     @cached_property
     def text(self) -> str:
-        """One line for a person."""
+        """One line for a person; poses, cables and anchors count from 1 in it."""
         names = ", ".join(str(cable + 1) for cable in self.cables)
-        why = f"cable {names} would have to push" if names else "not all four cables can pull at once"
+        cables = "cables" if len(self.cables) > 1 else "cable"
+        why = f"{cables} {names} would have to push" if names else "not all four cables can pull at once"
         if not np.isfinite(self.widening).any():
-            return f"pose {self.pose}: {why}; no single window helps"
+            return f"pose {self.pose + 1}: {why}; no single window helps"
         anchor, end = np.unravel_index(int(np.argmin(self.widening)), (4, 2))
         side = "upper" if end else "lower"
         return (
-            f"pose {self.pose}: {why}; moving the {side} end of the window of anchor {anchor + 1} "
+            f"pose {self.pose + 1}: {why}; moving the {side} end of the window of anchor {anchor + 1} "
             f"by {self.widening[anchor, end]:.3g} m helps"
         )
 

@@ -1,6 +1,8 @@
 """Why a climb ends and what would change that: the same run solved again with one limit relaxed at a time.
 
 The limit that binds is the one whose relaxing brings the robot to the goal, or else furthest beyond where it stopped.
+It is
+solved on a coarse lattice, and no more is looked for than a few answers.
 Limits that are numbers are then halved down to the least change that still does, in `HALVINGS` steps. What is
 said of a changed machine is a plan on a lattice, not a design: it names what to look at.
 """
@@ -16,24 +18,27 @@ import msgspec
 import numpy as np
 
 from steeplejack.errors import SteeplejackError
-from steeplejack.planning.climb.lattice import build_lattice, deciding_limits, wanted_clocks
+from steeplejack.planning.climb.collide import AIR
+from steeplejack.planning.climb.lattice import Lattice, build_lattice, deciding_limits, wanted_clocks
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import trouble
-from steeplejack.planning.climb.planner import Found, climb
-from steeplejack.robots.pipe_climber.parameters import PipeClimber
+from steeplejack.planning.climb.planner import Found, climb, search, stroke_on_straights
+from steeplejack.robots.pipe_climber.bars import widest_turn
+from steeplejack.robots.pipe_climber.parameters import SHIPPED, PipeClimber, load_pipe_climber
 from steeplejack.worksite.pipe_run import PipeRun, with_bends, with_end
 
-COARSE = (10,)
+COARSE = 5
 """Parts of the stroke in which relaxed problems are solved; see `planner.PARTS`."""
-HALVINGS = 5
+FINER = (COARSE, 2 * COARSE)
+"""The same for other machines on runs from pipe to pipe."""
+HALVINGS = 4
+ENOUGH = 2
+"""After this many limits whose relaxing alone reaches the goal no more are looked for."""
 FURTHER = 0.002
 """[m] By how much more a relaxed climb has to come for its limit to count."""
 
 RIGHT = 0.5 * math.pi * (1.0 + 1e-9)
 """Tilt that a right angle between pipes needs [rad]."""
-WIDEST_TURN = math.radians(60.0)
-"""Range of the linkage that is tried; the parallelogram folds at 90 degrees [rad]."""
-
 Problem = tuple[PipeRun, PipeClimber]
 
 
@@ -54,49 +59,57 @@ class Relaxation:
     graded: bool = True
 
 
-def explain(run: PipeRun, machine: Machine, found: Found) -> str:
+def _nothing(_text: str) -> None:
+    """Tell nobody."""
+
+
+def explain(run: PipeRun, machine: Machine, found: Found, tell: Callable[[str], None] = _nothing) -> str:
     """Which limit ends a climb and what would change that.
 
     Args:
         run: What was to be climbed.
         machine: The climber, payload included.
         found: The furthest climb.
+        tell: Called with what is tried next, in words.
 
     Returns:
         One sentence, or two.
     """
-    payload = machine.payload
     where = f"stopped with the lower gripper at {found.progress:.3f} m"
     if not found.standings:
         where = f"cannot begin at {run.start_s:.3f} m" + _trouble_at_start(run, machine)
-    base = climb_relaxed((run, machine.robot), payload)
-    for group in (_single(run, machine.robot, payload), _double(run, machine.robot)):
-        results = [(one, climb_relaxed(one.change(1.0), payload)) for one in group]
-        better = [(one, got) for one, got in results if got is not None and _beyond(got, base, found)]
-        complete = [(one, got) for one, got in better if got.complete]
-        if complete:
-            said = "; or ".join(_least(one, payload) for one, _got in complete[:3])
-            return f"{where}: limit is the {complete[0][0].limit}; the goal is reached with {said}"
-        if better and group and group[0].graded:
-            one, got = max(better, key=lambda pair: pair[1].progress)
-            rest = _double_rest(run, machine.robot, payload)
-            return f"{where}: limit is the {one.limit}; {one.amount(1.0)} brings it to {got.progress:.3f} m{rest}"
+    tell(f"{where}: looking for what would change that")
+    lattice = build_lattice(run, machine, stroke_on_straights(machine) / COARSE)
+    far = max(found.progress, search(lattice).progress)
+    enough, best = list[Relaxation](), None
+    single, variants = _single(lattice), _variants(run, machine.robot)
+    for one in (*variants, *single) if run.goal_pipe != run.pipes[0].name else single:
+        tell(f"what if not for the {one.limit}")
+        got = climb_relaxed(one.change(1.0), machine.payload, (COARSE,) if one in single else FINER)
+        if got is None:
+            continue
+        if got.complete:
+            enough.append(one)
+            if len(enough) == ENOUGH or one in variants:
+                break
+        elif got.progress > far + FURTHER or got.standings and not found.standings:
+            best = (one, got.progress) if best is None or got.progress > best[1] else best
+    if enough:
+        tell(f"how much of it: {enough[0].limit}")
+        said = "; or ".join(_least(one, machine.payload) for one in enough)
+        return f"{where}: limit is the {enough[0].limit}; the goal is reached with {said}"
+    if best is not None:
+        one, progress = best
+        return f"{where}: limit is the {one.limit}; {one.amount(1.0)} brings it to {progress:.3f} m"
     return f"{where}: no single limit of the machine, the bends or the pipe's length changes that"
 
 
-def climb_relaxed(problem: Problem, payload: float) -> Found | None:
+def climb_relaxed(problem: Problem, payload: float, parts: tuple[int, ...] = (COARSE,)) -> Found | None:
     """The climb of a changed problem; None where it makes no sense."""
     try:
-        return climb(problem[0], Machine.of(problem[1], payload), COARSE)
+        return climb(problem[0], Machine.of(problem[1], payload), parts)
     except SteeplejackError:
         return None
-
-
-def _beyond(got: Found, base: Found | None, found: Found) -> bool:
-    """Whether a relaxed climb comes further than the real one did, on either lattice."""
-    far = max(found.progress, base.progress if base is not None else -math.inf)
-    begun = bool(got.standings) and not found.standings
-    return got.complete or got.progress > far + FURTHER or begun
 
 
 def _least(one: Relaxation, payload: float) -> str:
@@ -109,15 +122,6 @@ def _least(one: Relaxation, payload: float) -> str:
         got = climb_relaxed(one.change(middle), payload)
         low, high = (low, middle) if got is not None and got.complete else (middle, high)
     return one.amount(high)
-
-
-def _double_rest(run: PipeRun, robot: PipeClimber, payload: float) -> str:
-    """What reaches the goal where one relaxation does not."""
-    for one in _double(run, robot):
-        got = climb_relaxed(one.change(1.0), payload)
-        if got is not None and got.complete:
-            return f"; the goal is reached with {one.amount(1.0)}"
-    return ""
 
 
 def _trouble_at_start(run: PipeRun, machine: Machine) -> str:
@@ -147,39 +151,36 @@ def _stroke(robot: PipeClimber, share: float) -> PipeClimber:
     return _changed(robot, "cylinders", stroke=stroke, retracted=retracted)
 
 
-def _single(run: PipeRun, robot: PipeClimber, payload: float) -> list[Relaxation]:
+def _single(lattice: Lattice) -> list[Relaxation]:
     """Relaxations of one limit each that can matter to a run, those of the site last."""
-    machine = Machine.of(robot, payload)
-    gap = max(machine.straight_gaps[1] - machine.straight_gaps[0], 0.01)
-    decide, slips = deciding_limits(run, machine, gap / COARSE[0]), _slips(run, machine, gap / COARSE[0])
+    run, machine, robot = lattice.run, lattice.machine, lattice.machine.robot
+    decide = deciding_limits(run, machine, lattice.step)
+    slips = bool((np.isfinite(lattice.uses) & (lattice.uses > 1.0)).any())
     turning = len(wanted_clocks(run, machine)) > 1
     bends = any(not part.straight for pipe in run.pipes for part in pipe.parts)
     standing = bool(run.obstacles or run.crossings)
     sizes = [part.diameter for pipe in run.pipes for part in pipe.parts]
+    steps = len(set(sizes)) > 1
     wide = (min([*sizes, robot.gripper.pipe_diameter[0]]), max([*sizes, robot.gripper.pipe_diameter[1]]))
     length = bool(decide & {"shortest", "longest"})
     choices = [
         (bool(robot.linkage.claw_offset), _claw_offset(run, robot)),
-        (standing or wide != robot.gripper.pipe_diameter, _clearance(run, machine)),
-        (length, _longer_stroke(run, robot)),
-        ("tilt" in decide, _tilt(run, robot)),
-        (turning, _linkage(run, robot)),
-        (standing or len(set(sizes)) > 1, _jaws(run, robot, 0.1)),
-        (wide != robot.gripper.pipe_diameter, _diameters(run, robot, wide)),
-        ("force" in decide, _force(run, robot)),
+        (wide != robot.gripper.pipe_diameter, _diameters(run, machine, wide)),
+        (standing, _clearance(run, machine)),
+        (slips and robot.gait.reserve > 0.0, _reserve(run, robot)),
         (slips, _friction(run, robot)),
-        (slips, _jaws(run, robot, 2.0, " against tilting")),
+        (slips and not steps, _jaws(run, robot, 2.0, " against tilting")),
+        ("tilt" in decide, _tilt(run, robot)),
+        (turning, _linkage(run, machine)),
+        (length, _longer_stroke(run, robot)),
+        (standing or steps, _jaws(run, robot, 0.4)),
+        ("force" in decide, _force(run, robot)),
+        ("servo" in decide, _servo(run, robot)),
         (length, _size(run, robot)),
         (True, _pipe_end(run, robot)),
         (bends, _bends(run, robot)),
     ]
-    return [relaxation for matters, relaxation in choices if matters]
-
-
-def _slips(run: PipeRun, machine: Machine, step: float) -> bool:
-    """Whether a grip does not bear the robot in some pose that is else allowed."""
-    uses = build_lattice(run, machine, step).uses
-    return bool((np.isfinite(uses) & (uses > 1.0)).any())
+    return [relaxation for matters, relaxation in choices if matters and relaxation is not None]
 
 
 def _claw_offset(run: PipeRun, robot: PipeClimber) -> Relaxation:
@@ -194,20 +195,15 @@ def _claw_offset(run: PipeRun, robot: PipeClimber) -> Relaxation:
 def _clearance(run: PipeRun, machine: Machine) -> Relaxation:
     """Room about the pipe: under the palm, under closed jaws, and within limbs and linkage."""
     robot = machine.robot
-    thick = max(0.5 * part.diameter for pipe in run.pipes for part in pipe.parts)
-    room = machine.lowest_bar - thick
+    room = machine.lowest_bar - _thickest(run)
     least = min(robot.gait.clearance, robot.gait.relief, room)
     most = max([one.height for one in run.obstacles] + [2.0 * robot.gait.clearance]) * (1.0 + 1e-6)
 
     def roomy(share: float) -> Problem:
-        wanted = _between(least, most, share)
-        more = max(0.0, wanted - room) / math.cos(min(robot.rcm.limit, math.radians(60.0)))
-        linkage, rcm = robot.linkage, robot.rcm
-        wide = _changed(robot, "linkage", half_width=linkage.half_width + more)
-        wide = _changed(wide, "rcm", crank=rcm.crank + more, coupler=rcm.coupler + 2.0 * more)
-        gait = robot.gait
+        wanted, gait = _between(least, most, share), robot.gait
         return run, _changed(
-            wide, "gait", clearance=max(gait.clearance, wanted), relief=max(gait.relief, wanted)
+            _roomier(robot, max(0.0, wanted - room)), "gait", clearance=max(gait.clearance, wanted),
+            relief=max(gait.relief, wanted),
         )  # fmt: skip
 
     return Relaxation(
@@ -215,6 +211,19 @@ def _clearance(run: PipeRun, machine: Machine) -> Relaxation:
         roomy,
         lambda k: f"a clearance of {1e3 * _between(least, most, k):.0f} mm",
     )
+
+
+def _thickest(run: PipeRun) -> float:
+    """Radius of the thickest pipe [m]."""
+    return max(0.5 * part.diameter for pipe in run.pipes for part in pipe.parts)
+
+
+def _roomier(robot: PipeClimber, more: float) -> PipeClimber:
+    """A machine whose bars keep further from the pipe [m]."""
+    wider = more / math.cos(min(robot.rcm.limit, math.radians(60.0)))
+    linkage, rcm = robot.linkage, robot.rcm
+    wide = _changed(robot, "linkage", half_width=linkage.half_width + wider)
+    return _changed(wide, "rcm", crank=rcm.crank + wider, coupler=rcm.coupler + 2.0 * wider)
 
 
 def _longer_stroke(run: PipeRun, robot: PipeClimber) -> Relaxation:
@@ -245,10 +254,16 @@ def _tilt(run: PipeRun, robot: PipeClimber) -> Relaxation:
     return _number(run, robot, ("joints", "limit"), RIGHT, limit, lambda x: f"a tilt of {math.degrees(x):.0f} deg")
 
 
-def _linkage(run: PipeRun, robot: PipeClimber) -> Relaxation:
-    now = robot.rcm.limit
-    limit, far = f"linkage's range of {math.degrees(now):.0f} deg", max(now, WIDEST_TURN)
-    return _number(run, robot, ("rcm", "limit"), far, limit, lambda x: f"a linkage range of {math.degrees(x):.0f} deg")
+def _linkage(run: PipeRun, machine: Machine) -> Relaxation | None:
+    """A wider range of the linkage, up to where its bars come to the thickest pipe; None if that is what it has."""
+    now = machine.robot.rcm.limit
+    far = widest_turn(machine.robot, _thickest(run) + AIR)
+    if far <= now:
+        return None
+    limit = f"linkage's range of {math.degrees(now):.0f} deg"
+    return _number(
+        run, machine.robot, ("rcm", "limit"), far, limit, lambda x: f"a linkage range of {math.degrees(x):.0f} deg"
+    )
 
 
 def _jaws(run: PipeRun, robot: PipeClimber, far: float, why: str = "") -> Relaxation:
@@ -257,14 +272,29 @@ def _jaws(run: PipeRun, robot: PipeClimber, far: float, why: str = "") -> Relaxa
     return _number(run, robot, ("build", "jaw_length"), far * now, limit, lambda x: f"jaws of {1e3 * x:.0f} mm")
 
 
-def _diameters(run: PipeRun, robot: PipeClimber, wide: tuple[float, float]) -> Relaxation:
-    least, most = robot.gripper.pipe_diameter
+def _diameters(run: PipeRun, machine: Machine, wide: tuple[float, float]) -> Relaxation:
+    """Grippers for every pipe of the run, and bars that clear the thickest."""
+    least, most = machine.robot.gripper.pipe_diameter
+    more = max(0.0, _thickest(run) - machine.lowest_bar)
+    changed = _changed(_roomier(machine.robot, more), "gripper", pipe_diameter=wide)
+    room = f" with bars {math.ceil(1e3 * more):.0f} mm further out" if more > 0.0 else ""
     return Relaxation(
         f"grippers' range of pipe diameters, {1e3 * least:.0f} to {1e3 * most:.0f} mm",
-        lambda _k: (run, _changed(robot, "gripper", pipe_diameter=wide)),
-        lambda _k: f"grippers for {1e3 * wide[0]:.0f} to {1e3 * wide[1]:.0f} mm",
+        lambda _k: (run, changed),
+        lambda _k: f"grippers for {1e3 * wide[0]:.0f} to {1e3 * wide[1]:.0f} mm{room}",
         graded=False,
     )
+
+
+def _reserve(run: PipeRun, robot: PipeClimber) -> Relaxation:
+    limit = f"{100.0 * robot.gait.reserve:.0f} % of the grip that are kept in reserve"
+    return _number(run, robot, ("gait", "reserve"), 0.0, limit, lambda x: f"a reserve of {100.0 * x:.1f} %")
+
+
+def _servo(run: PipeRun, robot: PipeClimber) -> Relaxation:
+    now = robot.build.servo_torque
+    limit = f"torque of the linkage's servo of {now:.2f} N m"
+    return _number(run, robot, ("build", "servo_torque"), 10.0 * now, limit, lambda x: f"a servo of {x:.1f} N m")
 
 
 def _force(run: PipeRun, robot: PipeClimber) -> Relaxation:
@@ -304,19 +334,23 @@ def _bends(run: PipeRun, robot: PipeClimber) -> Relaxation:
     )
 
 
-def _double(run: PipeRun, robot: PipeClimber) -> list[Relaxation]:
-    """Two limits at once: the mechanism as analysed in the paper, free in its whole reach, with tilt to 90 degrees."""
-    reach = robot.cylinders.reach
-    free = _changed(_stroke(robot, 1.0), "joints", limit=RIGHT)
-    return [
-        Relaxation(
-            f"cylinders' stroke of {1e3 * robot.cylinders.stroke:.0f} mm together with the platform's tilt of "
-            f"{math.degrees(robot.joints.limit):.0f} deg",
-            lambda _k: (run, free),
-            lambda _k: f"cylinders from {1e3 * reach[0]:.0f} to {1e3 * reach[1]:.0f} mm and a tilt of 90 deg",
-            graded=False,
-        )
-    ]
+def _variants(run: PipeRun, robot: PipeClimber) -> list[Relaxation]:
+    """The other shipped machines with the friction there is: for runs from one pipe to another."""
+    found: list[Relaxation] = []
+    for name in SHIPPED:
+        if name != robot.name:
+            other = _changed(load_pipe_climber(name), "gripper", friction=robot.gripper.friction)
+            least, most = other.cylinders.retracted[1], other.cylinders.retracted[1] + other.cylinders.stroke
+            amount = (
+                f"the shipped robot {name}: cylinders from {1e3 * least:.0f} to {1e3 * most:.0f} mm and a tilt of "
+                f"{math.degrees(other.joints.limit):.0f} deg"
+            )
+            now = f"cylinders' stroke of {1e3 * robot.cylinders.stroke:.0f} mm together with the platform's tilt of "
+            now += f"{math.degrees(robot.joints.limit):.0f} deg"
+            found.append(
+                Relaxation(now, lambda _k, other=other: (run, other), lambda _k, said=amount: said, graded=False)
+            )
+    return found
 
 
 def _larger(robot: PipeClimber, factor: float) -> PipeClimber:

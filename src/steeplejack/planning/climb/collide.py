@@ -45,7 +45,7 @@ class Solids:
     sectors: Array
 
 
-def solids_of(run: PipeRun) -> Solids:
+def obstacles_of(run: PipeRun) -> Solids:
     """All pipes and obstacles of a run."""
     capsules = [capsule for pipe in run.pipes for part in pipe.parts for capsule in _chords(part)]
     sectors = [_sector(run, one) for one in run.obstacles]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.collide import Solids, meets
-from steeplejack.planning.climb.grip import alone
+from steeplejack.planning.climb.grip import alone, along_way
 from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.places import footing
 from steeplejack.planning.climb.plan import Hold
 from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
 from steeplejack.robots.pipe_climber.grippers import free_gripper
@@ -66,9 +68,21 @@ def touching(solids: Solids, machine: Machine, lowers: Array, freedoms: Array, a
 
 
 def worst_use(
-    run: PipeRun, machine: Machine, lowers: Array, freedoms: Array, radii: tuple[float, float], holds: Hold
+    run: PipeRun, machine: Machine, lowers: Array, freedoms: Array, at: Sequence[tuple[str, float]], holds: Hold
 ) -> float:
-    """The most that the grip that holds alone is used on the way, see `grip.alone`."""
+    """The most that the grip that holds alone is used on the way, see `grip.alone`.
+
+    Args:
+        run: Of pipes.
+        machine: What climbs.
+        lowers: Frames of the lower gripper, (k, 4, 4).
+        freedoms: Along the way, (k, 4) [m, m, rad, rad].
+        at: Pipe and place [m] of the lower and the upper gripper; only that of the one that holds counts.
+        holds: Which one.
+    """
     gravity = np.einsum("kij,i->kj", lowers[:, :3, :3], np.array(run.gravity))
-    both = np.broadcast_to(np.array(radii), (len(freedoms), 2))
-    return float(alone(machine, freedoms, gravity, both)[:, 1 if holds is Hold.UPPER else 0].max())
+    feet = np.array([footing(machine, run.pipe(name), np.array([s]))[0] for name, s in at])
+    both = np.broadcast_to(feet, (len(freedoms), 2, 2))
+    return float(
+        alone(machine, freedoms, gravity, both, along_way(machine, freedoms))[:, int(holds is Hold.UPPER)].max()
+    )

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from steeplejack.errors import InputError
-from steeplejack.planning.climb.collide import Solids, solids_of
+from steeplejack.planning.climb.collide import Solids, obstacles_of
 from steeplejack.planning.climb.limits import LIMITS, Limit, Machine
 from steeplejack.planning.climb.obstructions import Obstructions, obstructions, unobstructed
 from steeplejack.planning.climb.pairs import Joined, join
-from steeplejack.planning.climb.places import PALM, Places, bumps, edges, passes, trouble
+from steeplejack.planning.climb.places import PALM, Places, bumps, edges, joined_places, passes, places_on
 from steeplejack.planning.climb.uses import uses_of_grips
 from steeplejack.worksite.pipe_line import Part, Pipe
 from steeplejack.worksite.pipe_run import PipeRun
@@ -36,6 +36,8 @@ SAME = 1e-6
 """Clocks closer than this are one [rad]."""
 LEAST_TURN = math.radians(5.0)
 """A linkage of less range than this is not used to go round a pipe [rad]."""
+BETWEEN_LIMBS = (0.0, 0.75 * math.pi, -0.75 * math.pi)
+"""Clocks of the mechanism from what stands in the middle of a gap between two limbs [rad]."""
 LEVEL = 0.05
 """Gravity across a pipe, in parts of all of it, that makes its clock worth standing at [1]."""
 SAME_PLACE = 1e-7
@@ -103,7 +105,7 @@ def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
     joined = join(machine, gravity, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
     useful = np.asarray(joined.allowed.any(axis=1))
     pairs, joined = pairs[useful], joined.only(useful)
-    solids = solids_of(run)
+    solids = obstacles_of(run)
     free = unobstructed(machine, solids, joined, lower, pairs)
     useful = np.asarray(free.any(axis=1))
     pairs, joined = pairs[useful], replace(joined.only(useful), allowed=free[useful])
@@ -149,6 +151,9 @@ def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
             away = one.clock[1] + machine.robot.gait.palm
             if one.height > machine.robot.gait.clearance and away < math.pi:
                 anchors += [one.clock[0] - PALM - away, one.clock[0] - PALM + away]
+    for one in run.obstacles:  # in one of the gaps between limbs: ahead of them, or to either side of the third
+        if one.clock is not None and one.height + float(run.radius(one.start, one.pipe)) > machine.lowest_bar:
+            anchors += [0.5 * (one.clock[0] + one.clock[1]) + gap for gap in BETWEEN_LIMBS]
     for one in run.crossings:
         anchors += [one.toward, one.toward + math.pi]
     anchors = _distinct(np.array(anchors))
@@ -194,15 +199,14 @@ def turned(clocks: Array, start: int, end: int) -> float:
 
 def _places(run: PipeRun, machine: Machine, step: float, gripper: Literal["lower", "upper"]) -> Places:
     """Places of one gripper on all pipes."""
-    columns: list[tuple[Indices, Array, Array, Array, Flags]] = []
+    found: list[Places] = []
     for index, pipe in enumerate(run.pipes):
         origin = (run.start_s if index == 0 else 0.0) + (machine.straight_gaps[0] if gripper == "upper" else 0.0)
         first, last = math.ceil(-origin / step - 1e-9), math.floor((pipe.length - origin) / step + 1e-9)
         grid = origin + step * np.arange(first, last + 1, dtype=np.float64)
         s = _merged(grid, _marks(run, machine, pipe, gripper), pipe.length)
-        holds = ~np.any([flags for _why, flags in trouble(run, machine, pipe, s)], axis=0)
-        columns.append((np.full(len(s), index, dtype=np.int64), s, *pipe.chord(s, machine.row), holds))
-    return Places(*(np.concatenate(column) for column in zip(*columns, strict=True)))  # pyright: ignore[reportArgumentType]
+        found.append(places_on(run, machine, index, s))
+    return joined_places(found)
 
 
 def _marks(run: PipeRun, machine: Machine, pipe: Pipe, gripper: Literal["lower", "upper"]) -> Array:
@@ -230,12 +234,7 @@ def _at(places: Places, which: Indices) -> tuple[Array, Array]:
 
 def _halfway(run: PipeRun, machine: Machine, places: Places, which: Indices) -> tuple[Array, Array]:
     """Points and frames halfway to the next places."""
-    s = 0.5 * (places.s[which] + places.s[which + 1])
-    points, frames = np.empty((len(which), 3)), np.empty((len(which), 3, 3))
-    for index, pipe in enumerate(run.pipes):
-        mine = places.pipe[which] == index
-        points[mine], frames[mine] = pipe.chord(s[mine], machine.row)
-    return points, frames
+    return places.only(which).beside(run, machine, 0.5 * (places.s[which + 1] - places.s[which]))
 
 
 def _close_pairs(machine: Machine, lower: Places, upper: Places, beyond: float = 1.0) -> Indices:

@@ -2,8 +2,9 @@
 
 A pose is allowed when every cylinder is within its own window (between its retracted length and that plus the stroke,
 and within the reach of the mechanism), the platform's tilt within the joints' range, the hinges within theirs where
-the machine names a neutral, det J on the home pose's side, and when the cylinders hold the weight of either half of
-the robot: whichever gripper then opens, the other one bears the robot.
+the machine names a neutral, det J on the home pose's side, and when cylinders and the linkage's servo hold the weight
+of either half of the robot (`robots.pipe_climber.bearing`): whichever gripper then opens, the other one bears the
+robot.
 """
 
 from __future__ import annotations
@@ -18,16 +19,18 @@ from numpy.typing import NDArray
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.collide import AIR
 from steeplejack.robots.pipe_climber.bars import inner_radius
+from steeplejack.robots.pipe_climber.bearing import weight_wrenches
 from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
+from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.singularity import determinant
-from steeplejack.robots.pipe_climber.statics import actuator_forces
+from steeplejack.robots.pipe_climber.weights import first_moments, own_moment
 
 Array = NDArray[np.float64]
-Limit = Literal["plane", "shortest", "longest", "tilt", "hinge", "singularity", "force"]
-LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "singularity", "force")
+Limit = Literal["plane", "shortest", "longest", "tilt", "hinge", "singularity", "force", "servo"]
+LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "singularity", "force", "servo")
 SINGULAR = 1e-3
 """Least |det J| in parts of L1 that a climb goes near [1]; at home it is about 0.5."""
 ROUNDING = 1e-9
@@ -43,8 +46,6 @@ class Machine:
         shortest: Of each cylinder, (3,) [m].
         longest: Of each cylinder, (3,) [m].
         side: Sign of det J at the home pose.
-        upper_mass: What moves with the upper gripper, payload included [kg].
-        lower_mass: What moves with the lower gripper [kg].
         payload: On the upper gripper [kg].
     """
 
@@ -53,8 +54,6 @@ class Machine:
     shortest: Array
     longest: Array
     side: float
-    upper_mass: float
-    lower_mass: float
     payload: float = 0.0
 
     @classmethod
@@ -65,10 +64,8 @@ class Machine:
         cylinders, layout = robot.cylinders, Layout.of(robot)
         shortest = np.maximum(cylinders.retracted, cylinders.reach[0])
         longest = np.minimum(np.array(cylinders.retracted) + cylinders.stroke, cylinders.reach[1])
-        upper = robot.build.gripper_mass + robot.build.plate_mass + 1.5 * cylinders.mass
         side = float(np.sign(determinant(layout, np.array(robot.joints.home))))
-        lower = max(0.0, robot.body.mass - upper)
-        return cls(robot, layout, shortest, longest, side, upper + payload_kg, lower, payload_kg)
+        return cls(robot, layout, shortest, longest, side, payload_kg)
 
     @property
     def claw_offset(self) -> float:
@@ -76,9 +73,11 @@ class Machine:
         return self.robot.linkage.claw_offset
 
     @property
-    def mass(self) -> float:
-        """Of robot and payload [kg]."""
-        return self.upper_mass + self.lower_mass
+    def peaks(self) -> tuple[float, float]:
+        """Largest acceleration of a cylinder [m/s2] and of the linkage [rad/s2] in a ramp; see `spatial.timing`."""
+        gait = self.robot.gait
+        rise = 0.5 * math.pi / gait.ramp
+        return rise * self.robot.cylinders.speed, rise * gait.turn_speed
 
     @property
     def row(self) -> float:
@@ -101,18 +100,18 @@ class Machine:
         return least + self.claw_offset, largest + self.claw_offset
 
 
-def margins(machine: Machine, poses: Array, gravity: Array, worst_across: Array | None = None) -> Array:
+def margins(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
     """How far poses are inside each limit.
 
     Args:
         machine: With its limits.
         poses: (x, w, alpha), (k, 3) [m, m, rad].
-        gravity: Along the mechanism's X and Z, (k, 2) [m/s2].
-        worst_across: If given, gravity across the pipe that may point to either side of X, (k,) [m/s2].
+        gravity: In the mechanism's frame, (k, 3) [m/s2].
+        any_clock: Whether gravity across the pipe may point to any side of the mechanism.
 
     Returns:
-        (k, 7) in the order of `LIMITS`, negative where the limit is passed: [1] (plane, always 1 here), [m], [m],
-        [rad], [rad], [m], [N]. The force only where the others hold, else infinite.
+        (k, 8) in the order of `LIMITS`, negative where the limit is passed: [1] (plane, always 1 here), [m], [m],
+        [rad], [rad], [m], [N], [N m]. Force and torque only where the others hold, else infinite.
     """
     lengths = limb_lengths(machine.layout, poses)
     joints = machine.robot.joints
@@ -129,41 +128,40 @@ def margins(machine: Machine, poses: Array, gravity: Array, worst_across: Array 
     with np.errstate(invalid="ignore", divide="ignore"):  # where a limb has no length
         det = machine.side * determinant(machine.layout, poses)
     found[:, 5] = np.minimum(det, ahead) - SINGULAR * machine.layout.lengths[0]
-    found[:, 6] = np.inf
+    found[:, 6:] = np.inf
     held = (found[:, :6] >= -ROUNDING).all(axis=1)
-    across = None if worst_across is None else worst_across[held]
-    found[held, 6] = machine.robot.cylinders.force - largest_force(machine, poses[held], gravity[held], across)
+    found[held, 6] = machine.robot.cylinders.force - largest_force(machine, poses[held], gravity[held], any_clock)
+    found[held, 7] = machine.robot.build.servo_torque - largest_torque(machine, poses[held], gravity[held], any_clock)
     return np.where(np.isnan(found), -1.0, found)
 
 
-def largest_force(machine: Machine, poses: Array, gravity: Array, worst_across: Array | None = None) -> Array:
-    """Largest push or pull of a cylinder while either gripper holds alone, slow motion, (k,) [N]."""
-    largest = np.zeros(len(poses))
-    for wrench in _weights(machine, poses, gravity):
-        forces = np.abs(actuator_forces(machine.layout, poses, wrench))
-        largest = np.maximum(largest, forces.max(axis=1))
-    if worst_across is None:
-        return largest
-    aside = np.stack((worst_across, np.zeros_like(worst_across)), axis=-1)
-    along = np.stack((np.zeros_like(worst_across), gravity[:, 1]), axis=-1)
-    worst = np.zeros(len(poses))
-    for across, lengthwise in zip(_weights(machine, poses, aside), _weights(machine, poses, along), strict=True):
-        both = np.abs(actuator_forces(machine.layout, poses, across))
-        both = both + np.abs(actuator_forces(machine.layout, poses, lengthwise))
-        worst = np.maximum(worst, both.max(axis=1))
-    return worst
+def largest_force(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
+    """Largest push or pull of a cylinder while either gripper holds alone, slow motion, whatever beta is, (k,) [N].
 
-
-def _weights(machine: Machine, poses: Array, gravity: Array) -> tuple[Array, Array]:
-    """Weight as a wrench (F_x, F_z, M_y) on the platform at O2: of the upper half, and of the lower half through it.
-
-    The halves' weights act at the grippers' centres. The lower half hangs on the limbs from the other side, so what
-    they do to the platform has the opposite sign.
+    Arguments as of `margins`. With the upper gripper holding, forces are linear in cos beta, so that the largest are
+    those at the ends of its range.
     """
-    x, w, alpha = poses.T
-    upper, lower = machine.upper_mass * gravity, machine.lower_mass * gravity
-    hz = machine.claw_offset
-    above = hz * np.cos(alpha) * upper[:, 0] - hz * np.sin(alpha) * upper[:, 1]
-    below = -w * lower[:, 0] + x * lower[:, 1]
-    first = np.stack((upper[:, 0], upper[:, 1], above), axis=-1)
-    return first, -np.stack((lower[:, 0], lower[:, 1], below), axis=-1)
+    ends = (0.0, min(machine.robot.rcm.limit, math.pi))
+    first, last = (weight_wrenches(machine.robot, machine.layout, poses, beta, machine.payload) for beta in ends)
+    wrenches = np.concatenate((first, last[:, 1:]), axis=1)  # (k, 3, 2 axes, 3): lower, upper at either end
+    columns = np.swapaxes(wrenches.reshape(len(poses), 6, 3), -1, -2)
+    rows = np.swapaxes(jacobian(machine.layout, poses), -1, -2)
+    each = np.linalg.solve(rows, columns).reshape(len(poses), 3, 3, 2)  # limb, holding, axis
+    across, along = each[..., 0], gravity[:, 2, None, None] * each[..., 1]
+    if any_clock:
+        worst = np.hypot(gravity[:, 0], gravity[:, 1])[:, None, None] * np.abs(across) + np.abs(along)
+    else:
+        worst = np.abs(gravity[:, 0, None, None] * across + along)
+    return worst.max(axis=(1, 2))
+
+
+def largest_torque(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
+    """Largest torque of the linkage's servo while either gripper holds alone, at rest, whatever beta is, (k,) [N m].
+
+    Arguments as of `margins`. What hangs from the lower gripper may have gravity to any side.
+    """
+    freedoms = np.append(poses, np.zeros((len(poses), 1)), axis=1)
+    _mass, moment = first_moments(machine.robot, machine.layout, freedoms, machine.payload)
+    own, across = own_moment(machine.robot), np.hypot(gravity[:, 0], gravity[:, 1])
+    aside = across if any_clock else np.abs(gravity[:, 1])
+    return np.maximum(np.abs(moment[:, 0] - own) * aside, abs(own) * across)

@@ -18,7 +18,9 @@ from steeplejack.planning.climb.collide import AIR, Solids, blocked_clocks, meet
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import Joined
 from steeplejack.planning.climb.places import Places
-from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
+from steeplejack.robots.pipe_climber.bars import limb_room, linkage_bars, mechanism_bars, ring_radius
+from steeplejack.robots.pipe_climber.weights import linkage_height
+from steeplejack.worksite.pipe_line import Pipe
 from steeplejack.worksite.pipe_run import PipeRun
 
 Array = NDArray[np.float64]
@@ -27,6 +29,8 @@ Indices = NDArray[np.int64]
 
 CLOCKS = 144
 """Clocks of the tables; half a cell turns the furthest bar by less than `collide.AIR`."""
+ALONG = 0.006
+"""Half of what the linkage's bars take up along the pipe, with its air [m]."""
 REACH = 0.15
 """How far beyond a gripper's middle, along and off the pipe, the robot's parts go [m]."""
 
@@ -69,14 +73,16 @@ def obstructions(
     near: Indices,
 ) -> Obstructions:  # fmt: skip
     """The tables of a lattice."""
-    rows = np.flatnonzero(joined.coaxial & _near(run, lower, pairs[:, 0], machine))
-    places = np.flatnonzero(_near(run, lower, np.arange(len(lower.s)), machine, short=True))
+    thick = _thick_for_limbs(run, machine, lower, pairs, joined)
+    rows = np.flatnonzero(joined.coaxial & (thick | _near(run, lower, pairs[:, 0], machine)))
+    tight, own = _own_pipe(run, machine, lower)
+    places = np.flatnonzero(tight | _near(run, lower, np.arange(len(lower.s)), machine, short=True))
     turns = (clocks[np.maximum(near, 0)] - clocks[:, None] + math.pi) % (2.0 * math.pi) - math.pi
-    mechanism = _mechanism(machine, solids, lower, pairs[rows, 0], joined.poses[rows, 0])
+    mechanism = _mechanism(machine, solids, lower, pairs[rows, 0], joined.poses[rows, 0]) | thick[rows, None]
     swept = np.ones((len(rows), *near.shape), dtype=np.bool_)
     for c, b in zip(*np.nonzero(near >= 0), strict=True):
         swept[:, c, b] = mechanism[:, _cells(_sweep(float(clocks[c]), float(turns[c, b])))].any(axis=1)
-    by_upper, by_lower = _linkage(machine, solids, lower, places, clocks, near, turns)
+    by_upper, by_lower = _linkage(machine, solids, lower, places, own[places], clocks, near, turns)
     return Obstructions(_rows(rows, len(pairs)), swept, _rows(places, len(lower.s)), by_upper, by_lower)
 
 
@@ -103,9 +109,10 @@ def _mechanism(machine: Machine, solids: Solids, lower: Places, at: Indices, pos
 
 
 def _linkage(
-    machine: Machine, solids: Solids, lower: Places, places: Indices, clocks: Array, near: Indices, turns: Array
-) -> tuple[Flags, Flags]:
-    """Where the linkage meets something, turned by either gripper, (q, c, b, b)."""
+    machine: Machine, solids: Solids, lower: Places, places: Indices, own: Array, clocks: Array, near: Indices,
+    turns: Array,
+) -> tuple[Flags, Flags]:  # fmt: skip
+    """Where the linkage meets something, also its own pipe of radii ``own`` (q,), turned by either gripper."""
     limit = machine.robot.rcm.limit
     half = max(1, math.ceil(limit * CLOCKS / (2.0 * math.pi)))
     betas = np.linspace(-limit, limit, 2 * half + 1)
@@ -114,6 +121,7 @@ def _linkage(
     for k in range(len(betas)):
         same = np.broadcast_to(bars[k], (len(places), *bars[k].shape))
         table[:, :, k] = blocked_clocks(solids, lower.points[places], lower.frames[places], same, radii, AIR, CLOCKS)
+        table[own + AIR > ring_radius(machine.robot, betas[k]) + 1e-9, :, k] = True
 
     def column(beta: Array) -> Indices:
         return np.clip(np.rint(beta / limit * half).astype(np.int64) + half, 0, 2 * half)
@@ -131,6 +139,42 @@ def _linkage(
                 angles = _sweep(float(clocks[low]), float(turns[low, b]))
                 by_lower[:, c, slot, b] = table[:, _cells(angles), column(beta + clocks[low] - angles)].any(axis=1)
     return by_upper, by_lower
+
+
+def _own_pipe(run: PipeRun, machine: Machine, lower: Places) -> tuple[Flags, Array]:
+    """Lower places where the linkage's largest turn may bring it to its own pipe, and the pipe's radius, each (n,).
+
+    The radius is 0 where the pipe is not coaxial with the gripper at the linkage: its bends are among the solids.
+    """
+    height, room = linkage_height(machine.robot), float(ring_radius(machine.robot, machine.robot.rcm.limit))
+    tight, own = np.zeros(len(lower.s), dtype=np.bool_), np.zeros(len(lower.s))
+    for index, pipe in enumerate(run.pipes):
+        mine = np.flatnonzero(lower.pipe == index)
+        thick = _thickest(pipe, lower.s[mine] + height - ALONG, lower.s[mine] + height + ALONG)
+        offset = pipe.centre_line(lower.s[mine] + height)[0] - lower.points[mine]
+        aside = np.linalg.norm(np.cross(offset, lower.frames[mine, :, 2]), axis=-1)
+        tight[mine] = aside + thick + AIR > room + 1e-9
+        own[mine] = np.where(aside < 1e-7, thick, 0.0)
+    return tight, own
+
+
+def _thick_for_limbs(run: PipeRun, machine: Machine, lower: Places, pairs: Indices, joined: Joined) -> Flags:
+    """Coaxial pairs where the pipe between the grippers is too thick for the limbs, (k,)."""
+    thick = np.zeros(len(pairs))
+    for index, pipe in enumerate(run.pipes):
+        mine = joined.coaxial & (lower.pipe[pairs[:, 0]] == index)
+        first = lower.s[pairs[mine, 0]]
+        thick[mine] = _thickest(pipe, first, first + joined.poses[mine, 0, 1])
+    return thick + AIR > limb_room(machine.robot) + 1e-9
+
+
+def _thickest(pipe: Pipe, first: Array, last: Array) -> Array:
+    """Largest radius of a pipe between places, (k,) [m]."""
+    found = np.zeros(len(first))
+    for part in pipe.parts:
+        over = (last > part.start) & (first < part.end)
+        found[over] = np.maximum(found[over], 0.5 * part.diameter)
+    return found
 
 
 def _near(run: PipeRun, lower: Places, which: Indices, machine: Machine, short: bool = False) -> Flags:

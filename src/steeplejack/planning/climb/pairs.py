@@ -77,12 +77,12 @@ def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tu
     hz = machine.claw_offset
     poses = np.stack((out - hz * np.sin(alpha), p[:, None, 2] - hz * np.cos(alpha), alpha), axis=-1)
     poses[coaxial, :, 0] = poses[coaxial, :, 2] = 0.0
-    across = g[:, None, 0] * cos + g[:, None, 1] * sin
-    pulls = np.stack((across, np.broadcast_to(g[:, None, 2], across.shape)), axis=-1)
-    flat = margins(machine, poses.reshape(-1, 3), pulls.reshape(-1, 2))
+    across, beside = g[:, None, 0] * cos + g[:, None, 1] * sin, g[:, None, 1] * cos - g[:, None, 0] * sin
+    pulls = np.stack((across, beside, np.broadcast_to(g[:, None, 2], across.shape)), axis=-1)
+    flat = margins(machine, poses.reshape(-1, 3), pulls.reshape(-1, 3))
     kept = flat.reshape(len(p), 2, flat.shape[-1])  # there may be none: a load that no cylinder lifts
     if coaxial.any():
-        worst = margins(machine, poses[coaxial, 0], pulls[coaxial, 0], np.hypot(g[:, 0], g[:, 1])[coaxial])
+        worst = margins(machine, poses[coaxial, 0], pulls[coaxial, 0], any_clock=True)
         kept[coaxial] = worst[:, None]
     planar = _planar(p, t, turn, clocks[:, 0]) | coaxial
     kept[..., 0] = np.where(planar, 1.0, -1.0)[:, None]
@@ -90,6 +90,23 @@ def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tu
     reserve[~coaxial, :, 1:3] = RESERVE
     allowed = np.asarray((kept - reserve >= -1e-9).all(axis=-1))
     return Joined(coaxial, clocks, poses, kept, allowed)
+
+
+def poses_at(machine: Machine, lower: tuple[Array, Array], upper: tuple[Array, Array], clocks: Array) -> Array:
+    """Poses (k, 3) that bring the upper gripper to places near the mechanism's plane at clocks (k,); no limits kept.
+
+    Args:
+        machine: With its claw's offset.
+        lower: Points (k, 3) [m] and frames (k, 3, 3) of the pipe.
+        upper: The same.
+        clocks: Of the mechanism's X axis about the lower pipe [rad].
+    """
+    back = np.swapaxes(lower[1], -1, -2)
+    p, t = (back @ (upper[0] - lower[0])[..., None])[..., 0], (back @ upper[1][..., 2, None])[..., 0]
+    cos, sin = np.cos(clocks), np.sin(clocks)
+    alpha = np.arctan2(t[:, 0] * cos + t[:, 1] * sin, t[:, 2])
+    hz = machine.claw_offset
+    return np.stack((p[:, 0] * cos + p[:, 1] * sin - hz * np.sin(alpha), p[:, 2] - hz * np.cos(alpha), alpha), axis=-1)
 
 
 def _planar(p: Array, t: Array, turn: Array, clock: Array) -> Flags:

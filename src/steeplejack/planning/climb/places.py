@@ -1,7 +1,8 @@
 """Where along a run a gripper may close, and what an open one passes over: rules of clearance, all of them estimates.
 
-- A closed gripper covers its jaws' length. There it wants pipe of one diameter within its range and no junction; no
-  obstacle under its two rows of pads, and between them none higher than the relief of its jaws.
+- A closed gripper covers its jaws' length. There it wants no junction; no obstacle under its two rows of pads, and
+  between them none higher than the relief of its jaws. Under either row it wants one diameter. If they are two, the row
+  on the larger one holds alone (`footing`); it has to be within the grippers' range.
 - An open gripper keeps only its palm near the pipe, on the side of the robot's -Y; the jaws swing clear of the rest.
   The palm passes whatever is lower than its clearance, and anything at clocks it does not cover.
 - Two pipes whose axes cross under the angle g cover each other over (r_other + r |cos g|) / sin g to either side.
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.limits import ROUNDING, Machine
-from steeplejack.robots.pipe_climber.pads import INSET
+from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, INSET, LAST
 from steeplejack.worksite.pipe_line import Pipe
 from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
 
@@ -27,6 +28,8 @@ Indices = NDArray[np.int64]
 Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter"]
 PALM = -0.5 * math.pi
 """Clock of the palm's middle from the robot's X axis [rad]."""
+
+COLUMNS = ("pipe", "s", "points", "frames", "holds", "footing")
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class Places:
         points: Where the gripper's middle is, (n, 3) [m]; see `worksite.pipe_line.Pipe.chord`.
         frames: Its frame at clock 0, (n, 3, 3).
         holds: Whether the gripper may close there, (n,).
+        footing: What its pads then rest on, (n, 2); see `footing`.
     """
 
     pipe: Indices
@@ -46,6 +50,33 @@ class Places:
     points: Array
     frames: Array
     holds: Flags
+    footing: Array
+
+    def only(self, which: Indices) -> Places:
+        """Some of the places."""
+        return Places(*(getattr(self, name)[which] for name in COLUMNS))
+
+    def beside(self, run: PipeRun, machine: Machine, ahead: float | Array) -> tuple[Array, Array]:
+        """Points and frames of a gripper that is further on along the pipes, by one or by (n,) [m]."""
+        s, points, frames = self.s + ahead, np.empty_like(self.points), np.empty_like(self.frames)
+        for index, pipe in enumerate(run.pipes):
+            mine = self.pipe == index
+            points[mine], frames[mine] = pipe.chord(s[mine], machine.row)
+        return points, frames
+
+
+def places_on(run: PipeRun, machine: Machine, index: int, s: Array) -> Places:
+    """Places (k,) [m] of a gripper along one pipe of a run."""
+    pipe = run.pipes[index]
+    holds = ~np.any([flags for _why, flags in trouble(run, machine, pipe, s)], axis=0)
+    which = np.full(len(s), index, dtype=np.int64)
+    return Places(which, s, *pipe.chord(s, machine.row), holds, footing(machine, pipe, s))
+
+
+def joined_places(parts: list[Places]) -> Places:
+    """Places of several pipes, one after the other."""
+    columns = ([getattr(part, name) for part in parts] for name in COLUMNS)
+    return Places(*(np.concatenate(column) for column in columns))
 
 
 @dataclass(frozen=True)
@@ -112,8 +143,6 @@ def trouble(run: PipeRun, machine: Machine, pipe: Pipe, s: Array) -> list[tuple[
     """Where a gripper may not close and why, each (k,), at places (k,) along a pipe [m]."""
     half = 0.5 * machine.robot.build.jaw_length
     first, last = s - half, s + half
-    gripper = machine.robot.gripper
-    least, largest = (0.5 * one for one in gripper.pipe_diameter)
     outside = (first < -ROUNDING) | (last > pipe.length + ROUNDING)
     standing = np.zeros(len(s), dtype=np.bool_)
     for one in run.obstacles:
@@ -123,17 +152,40 @@ def trouble(run: PipeRun, machine: Machine, pipe: Pipe, s: Array) -> list[tuple[
     meeting = np.zeros(len(s), dtype=np.bool_)
     for at, reach, _clocks, _other in junctions(run, pipe):
         meeting |= (last > at - reach + ROUNDING) & (first < at + reach - ROUNDING)
-    low, high = _radii(pipe, first + ROUNDING, last - ROUNDING)
-    size = (low < least - ROUNDING) | (high > largest + ROUNDING) | (high > low + ROUNDING)
+    _foot, size = _standing(machine, pipe, s)
     return [("end of the pipe", outside), ("obstacle", standing), ("junction", meeting), ("diameter", size)]
 
 
 def _covered(machine: Machine, one: PipeObstacle) -> list[tuple[float, float]]:
     """Stretches about a closed gripper's middle that an obstacle must keep out of [m]."""
+    half = 0.5 * machine.robot.build.jaw_length
+    return [(-half, half)] if one.height > machine.robot.gait.relief * (1.0 + ROUNDING) else _rows(machine)
+
+
+def _rows(machine: Machine) -> list[tuple[float, float]]:
+    """Stretches about a closed gripper's middle that its rows of pads cover, all of it where they meet [m]."""
     half, pads = 0.5 * machine.robot.build.jaw_length, 2.0 * INSET * machine.robot.build.pad_radius
-    if one.height > machine.robot.gait.relief * (1.0 + ROUNDING) or 2.0 * pads >= 2.0 * half:
-        return [(-half, half)]
-    return [(-half, -half + pads), (half - pads, half)]
+    return [(-half, half)] if pads >= half else [(-half, -half + pads), (half - pads, half)]
+
+
+def footing(machine: Machine, pipe: Pipe, s: Array) -> Array:
+    """Radius of the pipe [m] under the rows of pads that touch it, and which do (`pads.BOTH` ...), (k, 2)."""
+    return _standing(machine, pipe, s)[0]
+
+
+def _standing(machine: Machine, pipe: Pipe, s: Array) -> tuple[Array, Flags]:
+    """`footing` of a gripper at places (k,) along a pipe [m], and whether diameters do not let it close there, (k,)."""
+    least, largest = (0.5 * one for one in machine.robot.gripper.pipe_diameter)
+    rows = [_radii(pipe, s + begin + ROUNDING, s + end - ROUNDING) for begin, end in _rows(machine)]
+    uneven = np.any([high > low + ROUNDING for low, high in rows], axis=0)
+    first, last = rows[0][1], rows[-1][1]
+    touching = np.maximum(first, last)
+    which = np.where(first > last + ROUNDING, FIRST, np.where(last > first + ROUNDING, LAST, BOTH))
+    half = 0.5 * machine.robot.build.jaw_length
+    _low, between = _radii(pipe, s - half, s + half)
+    wrong = (touching < least - ROUNDING) | (touching > largest + ROUNDING) | uneven
+    wrong |= between > touching + machine.robot.gait.relief + ROUNDING
+    return np.stack((touching, which.astype(np.float64)), axis=-1), wrong
 
 
 def edges(run: PipeRun, machine: Machine, pipe: Pipe) -> Array:
@@ -147,7 +199,8 @@ def edges(run: PipeRun, machine: Machine, pipe: Pipe) -> Array:
             covered = [(-half, half), *_covered(machine, one)]
             beside += [place for begin, end in covered for place in (one.start - end, one.end - begin)]
     steps = [part.start for part in pipe.parts[1:]]
-    offsets = (-half, -machine.row, 0.0, machine.row, half)
+    rows = [end for row in _rows(machine) for end in row]
+    offsets = (-half, -machine.row, 0.0, machine.row, half, *rows)
     return np.unique(np.array(beside + [step + offset for step in steps for offset in offsets]))
 
 

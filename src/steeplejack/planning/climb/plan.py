@@ -56,6 +56,7 @@ class Phase:
         why: What it is for, in words.
         pipe_lower: Name of the pipe the lower gripper is on when the phase begins.
         pipe_upper: The same of the upper gripper.
+        crosses: Whether it belongs to a step from one pipe to another.
     """
 
     kind: Kind
@@ -71,6 +72,7 @@ class Phase:
     poses: Array = field(default_factory=_no_poses)
     pipe_lower: str = "main"
     pipe_upper: str = "main"
+    crosses: bool = False
 
 
 @dataclass(frozen=True)

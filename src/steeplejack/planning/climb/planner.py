@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -28,6 +29,8 @@ PARTS = (5, 10, 20)
 """Into how many parts lattices divide the stroke on a straight, coarsest first."""
 STATES = 600_000
 """A finer lattice with more states than this is only searched where the coarser ones find no way."""
+GAIN = 0.001
+"""A way that ends less than this further on a finer lattice is not looked for on the next one [m]."""
 NO_STROKE = 0.005
 """[m] What stands for the stroke on a straight where the machine has none, to lay the lattice by."""
 
@@ -49,7 +52,9 @@ class Found:
     duration: float
 
 
-def plan_climb(run: PipeRun, robot: PipeClimber, payload_kg: float = 0.0) -> ClimbPlan:
+def plan_climb(
+    run: PipeRun, robot: PipeClimber, payload_kg: float = 0.0, tell: Callable[[str], None] | None = None
+) -> ClimbPlan:
     """Plan a climb from the run's start to its goal in the shortest time.
 
     Args:
@@ -57,6 +62,7 @@ def plan_climb(run: PipeRun, robot: PipeClimber, payload_kg: float = 0.0) -> Cli
         robot: The machine; its cylinders' windows, speeds and forces, its servo's range and speed and its grippers'
             clearances are kept everywhere.
         payload_kg: Carried by the upper gripper [kg].
+        tell: Called with what is looked for next, in words, where the goal cannot be reached.
 
     Returns:
         The plan; if the goal cannot be reached, the plan to the furthest place, with the reason.
@@ -70,7 +76,7 @@ def plan_climb(run: PipeRun, robot: PipeClimber, payload_kg: float = 0.0) -> Cli
         return as_plan(run, machine, found, None)
     from steeplejack.planning.climb.blocked import explain  # it solves climbs itself
 
-    return as_plan(run, machine, found, explain(run, machine, found))
+    return as_plan(run, machine, found, explain(run, machine, found, *(() if tell is None else (tell,))))
 
 
 def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -> ClimbPlan:
@@ -82,8 +88,7 @@ def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -
 
 def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Found:
     """The best climb the lattices hold: the finest affordable one, finer ones only where there is no way."""
-    least, largest = machine.straight_gaps
-    stroke = largest - least if largest - least > NO_STROKE else NO_STROKE
+    stroke = stroke_on_straights(machine)
     best: Found | None = None
     for number in parts:
         lattice = build_lattice(run, machine, stroke / number)
@@ -93,9 +98,18 @@ def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Fou
         better = best is None or (found.complete, found.progress, -found.duration) > (
             best.complete, best.progress + 1e-9 * (not found.complete), -best.duration,
         )  # fmt: skip
-        best = found if better else best
+        gain = found.progress - best.progress if best is not None else np.inf
+        best = found if best is None or better else best
+        if not best.complete and gain < GAIN:
+            break
     assert best is not None
     return best
+
+
+def stroke_on_straights(machine: Machine) -> float:
+    """What lattices are laid by [m]."""
+    least, largest = machine.straight_gaps
+    return max(largest - least, NO_STROKE)
 
 
 def search(lattice: Lattice) -> Found:
@@ -139,14 +153,20 @@ def _search_once(lattice: Lattice, banned: Indices, starts: Indices) -> tuple[li
         have = np.flatnonzero(lattice.ahead[:, gripper] >= 0)
         behind[lattice.ahead[have, gripper], gripper] = have
     cylinders, gait, tables = machine.robot.cylinders, machine.robot.gait, lattice.obstructions
+    lower, upper = lattice.lower, lattice.upper
+    groups = (
+        np.searchsorted(pairs[:, 0], np.arange(len(lower.s) + 1)),
+        np.searchsorted(pairs[order, 1], np.arange(len(upper.s) + 1)),
+        order,
+    )
     times, before, reached = shortest_times(
-        pairs, joined.coaxial, lattice.sides, joined.allowed, lengths, lattice.ahead, behind, lattice.middles,
-        lattice.lower.holds, lattice.upper.holds, lattice.lower.pipe, lattice.upper.pipe, near, turns,
-        lattice.lower_passes, lattice.upper_passes, lattice.uses * np.float32(1.0 - 1e-6), tables.row_of_pair,
-        tables.mechanism, tables.row_of_place, tables.by_upper, tables.by_lower,
-        np.searchsorted(pairs[:, 0], np.arange(len(lattice.lower.s) + 1)),
-        np.searchsorted(pairs[order, 1], np.arange(len(lattice.upper.s) + 1)), order, banned,
-        starts, goal, cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time,
+        (joined.coaxial, lattice.sides, joined.allowed, lengths), (pairs, lattice.ahead, behind, lattice.middles),
+        (near, turns),
+        (lattice.uses * np.float32(1.0 - 1e-6), tables.row_of_pair, tables.mechanism, tables.row_of_place,
+         tables.by_upper, tables.by_lower),
+        ((upper.holds, lattice.upper_passes, upper.pipe), (lower.holds, lattice.lower_passes, lower.pipe)),
+        groups, banned, starts, goal,
+        (cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time),
     )  # fmt: skip
     state = int(reached) if reached >= 0 else _furthest(lattice, times)
     path = [state]
@@ -247,8 +267,8 @@ def _hindered(lattice: Lattice, start: Standing, end: Standing, poses: Array) ->
     lowers, _uppers = gripper_frames(run, machine, at, np.array(start.freedoms), freedoms, holds)
     if touching(lattice.solids, machine, lowers, freedoms, AIR, linkage=False).any():
         return True
-    radii = tuple(float(run.pipes[pipe].radius(s)) for pipe, s in (start.lower, start.upper))
-    return worst_use(run, machine, lowers, freedoms, (radii[0], radii[1]), holds) > 1.0
+    places = [(run.pipes[pipe].name, s) for pipe, s in (start.lower, start.upper)]
+    return worst_use(run, machine, lowers, freedoms, places, holds) > 1.0
 
 
 def _phases(run: PipeRun, machine: Machine, standings: tuple[Standing, ...]) -> tuple[Phase, ...]:
@@ -273,6 +293,7 @@ def _phases(run: PipeRun, machine: Machine, standings: tuple[Standing, ...]) -> 
                     at.lower[1], at.upper[1], at.lower_clock, _why(run, start, end),
                     *((times, freedoms) if moving else ()),
                     pipe_lower=run.pipes[at.lower[0]].name, pipe_upper=run.pipes[at.upper[0]].name,
+                    crosses=(start.lower[0], start.upper[0]) != (end.lower[0], end.upper[0]),
                 )
             )  # fmt: skip
     return tuple(found)

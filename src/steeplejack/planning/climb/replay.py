@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.planning.climb.collide import solids_of
+from steeplejack.planning.climb.collide import obstacles_of
 from steeplejack.planning.climb.frames import gripper_frames, touching, worst_use
 from steeplejack.planning.climb.gait import BEARS, after
 from steeplejack.planning.climb.limits import LIMITS, Machine, margins
@@ -75,16 +75,18 @@ def _grip_use(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     """The gripper that holds alone bears force and moment of the weight throughout."""
     lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
     places = ((phase.pipe_lower, phase.s_lower), (phase.pipe_upper, phase.s_upper))
-    lower, upper = (float(run.radius(s, name)) for name, s in places)
-    use = worst_use(run, machine, lowers, phase.poses, (lower, upper), phase.hold)
-    return [f"the {phase.hold.value} gripper slips or tilts: {use:.4f} of its grip"] if use > 1.0 + USE else []
+    use = worst_use(run, machine, lowers, phase.poses, places, phase.hold)
+    return (
+        [f"the {phase.hold.value} gripper slips or tilts: {use:.4f} of the grip a plan may use"]
+        if use > 1.0 + USE
+        else []
+    )
 
 
 def _collisions(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     """No bar of the robot touches a pipe or an obstacle; between two pipes the linkage is open."""
     lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
-    linkage = "crosses" not in phase.why
-    hits = touching(solids_of(run), machine, lowers, phase.poses, 0.0, linkage)
+    hits = touching(obstacles_of(run), machine, lowers, phase.poses, 0.0, not phase.crosses)
     return [f"a bar touches a pipe or an obstacle at {int(hits.sum())} samples"] if hits.any() else []
 
 
@@ -112,8 +114,9 @@ def _limits(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     beta = phase.poses[:, 3]
     base = lowers[:, :3, :3]
     gravity = np.einsum("kij,i->kj", base, np.array(run.gravity))
-    across = gravity[:, 0] * np.cos(beta) + gravity[:, 1] * np.sin(beta)
-    kept = margins(_eased(machine), phase.poses[:, :3], np.stack((across, gravity[:, 2]), axis=-1))
+    c, s = np.cos(beta), np.sin(beta)
+    pull = (gravity[:, 0] * c + gravity[:, 1] * s, gravity[:, 1] * c - gravity[:, 0] * s, gravity[:, 2])
+    kept = margins(_eased(machine), phase.poses[:, :3], np.stack(pull, axis=-1))
     found = [f"{limit} by {-low:g}" for limit, low in zip(LIMITS, kept.min(axis=0), strict=True) if low < -1e-9]
     if np.abs(beta).max() > machine.robot.rcm.limit + 1e-6:
         found.append("linkage turned beyond its range")
@@ -148,7 +151,7 @@ def _clearances(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     frames, name, s = (
         (lowers, phase.pipe_lower, phase.s_lower) if open_lower else (uppers, phase.pipe_upper, phase.s_upper)
     )
-    if "crosses" in phase.why:  # within the plane of the pipes, where the palm is not
+    if phase.crosses:  # within the plane of the pipes, where the palm is not
         return []
     pipe = run.pipe(name)
     places = _nearest(run, name, frames[:, :3, 3], s, machine.row)

@@ -21,17 +21,25 @@ Indices = NDArray[np.int64]
 Index = Any
 """An integer that numba takes from an array; the checker sees an array."""
 
-Poses = tuple[Flags, Indices, Flags, Array]
-"""coaxial, sides, allowed and lengths, as `shortest_times` takes them."""
-Net = tuple[Indices, Indices, Indices, Indices]
-"""pairs, ahead, behind and middles."""
-Clocks = tuple[Indices, Array]
-"""near and turns."""
 Uses = NDArray[np.float32]
+Poses = tuple[Flags, Indices, Flags, Array]
+"""Of pairs: whether any clock will do (k,), clock index of either side (k, 2), whether its pose keeps the limits (k,
+2), lengths of the cylinders (k, 2, 3) [m]."""
+Net = tuple[Indices, Indices, Indices, Indices]
+"""Pairs of lower and upper places (k, 2), the pair with the next place of the (upper, lower) gripper (k, 2), that with
+the one before (k, 2), clocks allowed on the way to the next (k, 2, 2)."""
+Clocks = tuple[Indices, Array]
+"""Clocks near each (c, b), -1 for none, and the turn to them (c, b) [rad]."""
 Bars = tuple[Uses, Indices, Flags, Indices, Flags, Flags]
-"""uses, row_of_pair, mechanism, row_of_place, by_upper and by_lower."""
+"""Use of the lower and the upper grip that holds alone (k, c, b, 2); row of a pair in the next, -1 for none (k,); turns
+in which the mechanism's bars meet something (r, c, b); row of a lower place in the next two (n,); turns of the upper,
+and of the lower gripper in which the linkage's do (q, c, b, b)."""
+Ground = tuple[Flags, Flags, Indices]
+"""Of one gripper's places: where it may close (n,), where it passes turning between clocks (n, c, b), which pipe."""
+Groups = tuple[Indices, Indices, Indices]
+"""Where the pairs of each lower place begin (n + 1,), where those of each upper place do (m + 1,) in an order (k,)."""
 Pace = tuple[float, float, float, float]
-"""speed, turn_speed, ramp and grip."""
+"""Speed of a cylinder [m/s] and of the linkage [rad/s], time from rest to full speed, to open and to close [s]."""
 SWING = 1.0 / math.cos(math.radians(15.0))
 """By how much more of a grip a turn of 30 degrees may take on its way than at its ends [1]: the use is convex."""
 TIDY = 1e-3
@@ -42,58 +50,32 @@ Heap = Any
 
 @njit(cache=True)
 def shortest_times(
-    pairs: Indices, coaxial: Flags, sides: Indices, allowed: Flags, lengths: Array, ahead: Indices, behind: Indices,
-    middles: Indices, holds_lower: Flags, holds_upper: Flags, pipe_lower: Indices, pipe_upper: Indices,
-    near: Indices, turns: Array, passes_lower: Flags, passes_upper: Flags, uses: Uses, row_of_pair: Indices,
-    mechanism: Flags, row_of_place: Indices, by_upper: Flags, by_lower: Flags,
-    rows: Indices, columns: Indices, order: Indices, banned: Indices,
-    start: Indices, goal: Flags, speed: float, turn_speed: float, ramp: float, grip: float,
+    poses: Poses, net: Net, wheel: Clocks, bars: Bars, grounds: tuple[Ground, Ground], groups: Groups, banned: Indices,
+    start: Indices, goal: Flags, pace: Pace,
 ) -> tuple[Any, Any, Any]:  # fmt: skip
     """Least time to every state from the start states, until a goal pair is reached.
 
     Args:
-        pairs: (k, 2) lower and upper place.
-        coaxial: (k,) whether any clock will do.
-        sides: (k, 2) clock index of either side.
-        allowed: (k, 2) whether a pose keeps the limits.
-        lengths: (k, 2, 3) of the cylinders [m].
-        ahead: (k, 2) pair with the next place of the upper, lower gripper.
-        behind: (k, 2) with the one before.
-        middles: (k, 2, 2) clocks allowed on the way ahead.
-        holds_lower: (n,) where it may close.
-        holds_upper: (m,) the same.
-        pipe_lower: (n,) index of the pipe.
-        pipe_upper: (m,) the same.
-        near: (c, b) clocks near each.
-        turns: (c, b) turn to them [rad].
-        passes_lower: (n, c, b) open gripper turning from c to near b.
-        passes_upper: (m, c, b) the same.
-        uses: (k, c, b, 2) of the grip that holds alone, lower and upper.
-        row_of_pair: (k,) into the next, -1 for none.
-        mechanism: (r, c, b) turns in which its bars meet something.
-        row_of_place: (n,) into the next two, -1 for none.
-        by_upper: (q, c, b, b) turns of the upper gripper in which the linkage's bars do.
-        by_lower: (q, c, b, b) turns of the lower one.
-        rows: (n + 1,) where the pairs of each lower place begin.
-        columns: (m + 1,) where those of each upper place begin in the order below.
-        order: (k,) pairs by upper place.
+        poses: See `Poses`; as the next five.
+        net: Which pairs follow one another.
+        wheel: Clocks.
+        bars: Where grip and bars let a gripper open and turn.
+        grounds: Where the upper, and where the lower gripper may close and pass.
+        groups: Pairs by place.
         banned: (j, 2) pairs with no way between pipes.
         start: States to start from.
         goal: (k,) pairs to come to.
-        speed: Of a cylinder [m/s].
-        turn_speed: Of the linkage [rad/s].
-        ramp: From rest to full speed [s].
-        grip: To open and to close [s].
+        pace: Speeds and times.
 
     Returns:
         Times (states,), the state before each (-1 for none), and the goal state reached or -1.
     """
+    pairs, near = net[0], wheel[0]
+    rows, columns, order = groups
     times = np.full(pairs.shape[0] * near.shape[0] * near.shape[1], np.inf)
     before = np.full(times.shape[0], -1, dtype=np.int64)
     done = np.zeros(times.shape[0], dtype=np.bool_)
-    poses, net = (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles)
-    wheel, bars = (near, turns), (uses, row_of_pair, mechanism, row_of_place, by_upper, by_lower)
-    pace, every = (speed, turn_speed, ramp, grip), np.arange(pairs.shape[0])
+    every = np.arange(pairs.shape[0])
     heap: Heap = [(0.0, np.int64(-1))]
     heap.pop()
     for state in start:
@@ -107,26 +89,22 @@ def shortest_times(
         if goal[state // (near.shape[0] * near.shape[1])]:
             return times, before, state
         for way in range(2):
-            _along(state, 0, way, poses, net, wheel, bars, pace, holds_upper, passes_upper, times, before, heap)
-            _along(state, 1, way, poses, net, wheel, bars, pace, holds_lower, passes_lower, times, before, heap)
+            _along(state, 0, way, poses, net, wheel, bars, pace, grounds[0], times, before, heap)
+            _along(state, 1, way, poses, net, wheel, bars, pace, grounds[1], times, before, heap)
         at = pairs[state // (near.shape[0] * near.shape[1])]
-        _across(
-            state, 0, every[rows[at[0]] : rows[at[0] + 1]], poses, net, wheel, bars, pace, holds_upper,
-            passes_upper, pipe_upper, banned, times, before, heap,
-        )  # fmt: skip
-        _across(
-            state, 1, order[columns[at[1]] : columns[at[1] + 1]], poses, net, wheel, bars, pace, holds_lower,
-            passes_lower, pipe_lower, banned, times, before, heap,
-        )  # fmt: skip
+        beside, above = every[rows[at[0]] : rows[at[0] + 1]], order[columns[at[1]] : columns[at[1] + 1]]
+        _across(state, 0, beside, poses, net, wheel, bars, pace, grounds[0], banned, times, before, heap)
+        _across(state, 1, above, poses, net, wheel, bars, pace, grounds[1], banned, times, before, heap)
     return times, before, -1
 
 
 @njit(cache=True)
 def _along(
     state: Index, gripper: int, way: int, poses: Poses, net: Net, wheel: Clocks, bars: Bars, pace: Pace,
-    holds: Flags, passes: Flags, times: Array, before: Indices, heap: Heap,
+    ground: Ground, times: Array, before: Indices, heap: Heap,
 ) -> None:  # fmt: skip
     """Offer the states one gripper (0 upper, 1 lower) reaches along its pipe, turning on the way if it likes."""
+    holds, passes, _pipes = ground
     (coaxial, sides, allowed, lengths), (pairs, ahead, behind, middles), (near, turns) = poses, net, wheel
     pair, upper, lower = _parts(state, near)
     own, here, travelled, column = upper if gripper == 0 else lower, pair, 0.0, 1 - gripper
@@ -162,10 +140,11 @@ def _along(
 @njit(cache=True)
 def _across(
     state: Index, gripper: int, others: Indices, poses: Poses, net: Net, wheel: Clocks, bars: Bars, pace: Pace,
-    holds: Flags, passes: Flags, pipes: Indices, banned: Indices, times: Array, before: Indices, heap: Heap,
+    ground: Ground, banned: Indices, times: Array, before: Indices, heap: Heap,
 ) -> None:  # fmt: skip
     """Offer the states one gripper (0 upper, 1 lower) reaches on other pipes, the other one kept in place."""
     (coaxial, sides, allowed, lengths), pairs, near = poses, net[0], wheel[0]
+    holds, passes, pipes = ground
     pair, upper, lower = _parts(state, near)
     own, column = upper if gripper == 0 else lower, 1 - gripper
     place, at, slot = pairs[pair, column], _side(coaxial, sides, allowed, pair, upper), _slot(near, upper, lower)

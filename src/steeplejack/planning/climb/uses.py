@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.grip import alone
+from steeplejack.planning.climb.grip import alone, either_way
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.planning.climb.pairs import Joined
+from steeplejack.planning.climb.pairs import Joined, poses_at
 from steeplejack.planning.climb.places import Places
 from steeplejack.worksite.pipe_run import PipeRun
 
@@ -18,6 +18,8 @@ Indices = NDArray[np.int64]
 
 GAPS = 7
 """Distances of the grippers on one straight between which the use of a grip is interpolated, from above."""
+NUDGE = 1e-5
+"""By how much a gripper goes on to see which way the mechanism moves [m]."""
 
 
 def uses_of_grips(
@@ -25,6 +27,9 @@ def uses_of_grips(
     clocks: Array, near: Indices,
 ) -> NDArray[np.float32]:  # fmt: skip
     """Use of the lower and of the upper grip, either alone, by pair, upper clock and lower one near it.
+
+    On one straight the use is a convex function of the distance of the grippers, which the weight's moment follows, so
+    that chords between a few distances bound it from above.
 
     Returns:
         (k, c, b, 2); infinite where a pair has no pose at a clock.
@@ -37,56 +42,89 @@ def uses_of_grips(
         if not len(rows):
             continue
         high = np.repeat(sides[rows, side], wide)
-        low, many = near[sides[rows, side]].ravel(), np.repeat(rows, wide)
+        low, many = near[sides[rows, side]].ravel(), np.repeat(np.arange(len(rows)), wide)
         have = np.flatnonzero(low >= 0)
         slot = np.tile(np.arange(wide), len(rows))[have]
         high, low, many = high[have], low[have], many[have]
-        found = _states(run, machine, lower, upper, pairs[many], joined.poses[many, side], clocks[high], clocks[low])
-        uses[many, high, slot] = found
+        poses, ends = joined.poses[rows, side], (lower.only(pairs[rows, 0]), upper.only(pairs[rows, 1]))
+        ways = directions(run, machine, *ends, clocks[sides[rows, side]])
+        uses[rows[many], high, slot] = states(run, machine, *ends, poses, ways, many, clocks[high], clocks[low])
     return uses
 
 
-def _states(
-    run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, poses: Array, high: Array, low: Array
-) -> Array:
-    """`grip.alone` of states: pairs (k, 2), poses (k, 3), clocks of both grippers (k,)."""
+def directions(run: PipeRun, machine: Machine, lower: Places, upper: Places, clocks: Array) -> Array:
+    """How poses change when the upper, and when the lower gripper goes on along its pipe, (k, 2, 3) [1, 1, rad/m].
+
+    Args:
+        run: Of pipes.
+        machine: What climbs.
+        lower: Places of the lower gripper, k of them.
+        upper: Those of the upper one.
+        clocks: Of the mechanism's X axis about the lower pipe, (k,) [rad].
+    """
+    ways = np.empty((len(clocks), 2, 3))
+    for moves in range(2):  # 0 the upper one: the lower one holds
+        poses: list[Array] = []
+        for nudge in (NUDGE, -NUDGE):
+            ends = [(lower.points, lower.frames), (upper.points, upper.frames)]
+            ends[1 - moves] = (upper, lower)[moves].beside(run, machine, nudge)
+            poses.append(poses_at(machine, ends[0], ends[1], clocks))
+        ways[:, moves] = (poses[0] - poses[1]) / (2.0 * NUDGE)
+    return ways
+
+
+def states(
+    run: PipeRun, machine: Machine, lower: Places, upper: Places, poses: Array, ways: Array, which: Indices,
+    high: Array, low: Array,
+) -> Array:  # fmt: skip
+    """`grip.alone` of states, whichever way the open gripper moves and turns.
+
+    Args:
+        run: Of pipes.
+        machine: What climbs.
+        lower: Places of the lower gripper, j of them.
+        upper: Those of the upper one.
+        poses: (j, 3) [m, m, rad].
+        ways: See `directions`, (j, 2, 3).
+        which: Places and pose of each state, (k,).
+        high: Clocks of the upper gripper, (k,) [rad].
+        low: Those of the lower one.
+    """
     beta = (high - low + math.pi) % (2.0 * math.pi) - math.pi
-    g = (np.swapaxes(lower.frames[pairs[:, 0]], -1, -2) @ np.array(run.gravity)[:, None])[..., 0]
+    g = (np.swapaxes(lower.frames, -1, -2) @ np.array(run.gravity)[:, None])[which, :, 0]
     c, s = np.cos(low), np.sin(low)
     turned = np.stack((g[:, 0] * c + g[:, 1] * s, g[:, 1] * c - g[:, 0] * s, g[:, 2]), axis=-1)
-    radii = np.stack((_radius(run, lower, pairs[:, 0]), _radius(run, upper, pairs[:, 1])), axis=-1)
-    return alone(machine, np.append(poses, beta[:, None], axis=1), turned, radii)
-
-
-def _radius(run: PipeRun, places: Places, which: Indices) -> Array:
-    found = np.empty(len(which))
-    for index, pipe in enumerate(run.pipes):
-        mine = places.pipe[which] == index
-        found[mine] = pipe.radius(places.s[which[mine]])
-    return found
+    feet = np.stack((lower.footing, upper.footing), axis=1)[which]
+    pushes = either_way(machine, poses, ways, which, beta)
+    return alone(machine, np.append(poses[which], beta[:, None], axis=1), turned, feet, pushes)
 
 
 def _on_straights(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, clocks: Array,
     near: Indices, uses: NDArray[np.float32],
 ) -> None:  # fmt: skip
-    """Fill in the states of coaxial pairs, straight by straight."""
-    parts = np.stack([_part(run, lower, pairs[:, 0]), _part(run, upper, pairs[:, 1])], axis=-1)
-    own = lower.pipe[pairs[:, 0]]
-    keys = np.stack((own, parts[:, 0], parts[:, 1]), axis=-1)
+    """Fill in the states of coaxial pairs, straight by straight and footing by footing."""
+    ends = (lower.only(pairs[:, 0]), upper.only(pairs[:, 1]))
+    columns = [column for end in ends for column in (end.pipe, _part(run, end), *end.footing.T)]
+    keys = np.stack(columns, axis=-1).astype(np.float64)
     high, slot = np.nonzero(near >= 0)
     low = near[high, slot]
-    for key in np.unique(keys[joined.coaxial], axis=0):
-        rows = np.flatnonzero(joined.coaxial & (keys == key).all(axis=1))
+    ways = np.zeros((GAPS, 2, 3))
+    ways[:, 0, 1], ways[:, 1, 1] = 1.0, -1.0
+    kinds, kind_of = np.unique(keys, axis=0, return_inverse=True)
+    for number in range(len(kinds)):
+        rows = np.flatnonzero(joined.coaxial & (kind_of.ravel() == number))
+        if not len(rows):
+            continue
         gaps = joined.poses[rows, 0, 1]
         knots = np.linspace(gaps.min(), gaps.max() + 1e-12, GAPS)
         poses = np.zeros((GAPS, 3))
         poses[:, 1] = knots
         count = len(high)
-        pair = np.broadcast_to(pairs[rows[0]], (GAPS * count, 2))
-        table = _states(
-            run, machine, lower, upper, pair, np.repeat(poses, count, axis=0), np.tile(clocks[high], GAPS),
-            np.tile(clocks[low], GAPS),
+        pair = np.full(GAPS, rows[0])
+        table = states(
+            run, machine, ends[0].only(pair), ends[1].only(pair), poses, ways, np.repeat(np.arange(GAPS), count),
+            np.tile(clocks[high], GAPS), np.tile(clocks[low], GAPS),
         ).reshape(GAPS, count, 2)  # fmt: skip
         at = np.clip((gaps - knots[0]) / (knots[1] - knots[0]), 0.0, GAPS - 1.0)
         below = np.minimum(at.astype(np.int64), GAPS - 2)
@@ -95,9 +133,9 @@ def _on_straights(
         uses[rows[:, None], high[None], slot[None]] = values
 
 
-def _part(run: PipeRun, places: Places, which: Indices) -> Indices:
-    found = np.empty(len(which), dtype=np.int64)
+def _part(run: PipeRun, places: Places) -> Indices:
+    found = np.empty(len(places.s), dtype=np.int64)
     for index, pipe in enumerate(run.pipes):
-        mine = places.pipe[which] == index
-        found[mine] = pipe.part_at(places.s[which[mine]])
+        mine = places.pipe == index
+        found[mine] = pipe.part_at(places.s[mine])
     return found

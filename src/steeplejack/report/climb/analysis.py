@@ -23,6 +23,7 @@ class ClimbSummary(msgspec.Struct, frozen=True):
     mean_speed_mm_s: float
     max_actuator_force_n: float
     min_transmission: float
+    min_friction_margin: float | None
     collisions: int
 
 
@@ -34,8 +35,7 @@ class ClimbAnalysis:
         summary: Of the whole run.
         transmission: Local transmission index at every sample (n,) [1].
         bound: Mean speed that stroke, speed and close time allow on a straight pipe [m/s].
-        least_margin: Of both grippers over the run [1]; NaN where none held.
-        margin_at: When, and index of the gripper.
+        margin_at: When least friction was left, index of the gripper, and what was being done.
         largest_error: At the moments of gripping [m, rad].
         energy: Put in by cylinders and servo [J].
     """
@@ -43,8 +43,7 @@ class ClimbAnalysis:
     summary: ClimbSummary
     transmission: Array
     bound: float
-    least_margin: float
-    margin_at: tuple[float, int]
+    margin_at: tuple[float, int, str]
     largest_error: tuple[float, float]
     energy: float
 
@@ -62,6 +61,9 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
     transmission = local_transmission(log.layout, samples.actual[:, :3])
     duration = float(samples.time[-1] if log.end is None else log.end.duration_s)
     distance = float(samples.travelled[-1])
+    counted = np.where(np.isnan(samples.margin), np.inf, samples.margin)
+    row, gripper = np.unravel_index(int(np.argmin(counted)), counted.shape)
+    least = float(counted[row, gripper])
     summary = ClimbSummary(
         distance_m=distance,
         steps=_steps(log),
@@ -69,18 +71,15 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
         mean_speed_mm_s=1e3 * distance / duration if duration > 0.0 else 0.0,
         max_actuator_force_n=float(samples.strongest.max()),
         min_transmission=float(transmission.min()),
+        min_friction_margin=least if np.isfinite(least) else None,
         collisions=int(samples.collisions[-1]),
     )
-    counted = np.where(np.isnan(samples.margin), np.inf, samples.margin)
-    row, gripper = np.unravel_index(int(np.argmin(counted)), counted.shape)
-    least = float(counted[row, gripper])
     errors = [(one.error_m, one.error_rad) for one in log.grips] or [(np.nan, np.nan)]
     return ClimbAnalysis(
         summary,
         transmission,
         speed_bound(log),
-        least if np.isfinite(least) else np.nan,
-        (float(samples.time[row]), int(gripper)),
+        (float(samples.time[row]), int(gripper), str(samples.act[row])),
         (max(one[0] for one in errors), max(one[1] for one in errors)),
         float(samples.energy[-1]),
     )

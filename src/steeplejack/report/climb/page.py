@@ -19,6 +19,8 @@ STRIP = (
     ".film { margin: 0 0 1rem; } .film img { display: block; border-radius: 3px; }"
 )
 
+DOING = {"move": "while it moves the robot", "close": "while the other one closes", "open": "while the other one opens"}
+
 
 def write_climb_report(log_path: Path, out_path: Path) -> ClimbSummary:
     """Write the report of a climb.
@@ -82,15 +84,17 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
     """The key figures."""
     summary = analysis.summary
     away, turned = analysis.largest_error
-    when, gripper = analysis.margin_at
+    when, gripper, act = analysis.margin_at
+    least = math.nan if summary.min_friction_margin is None else summary.min_friction_margin
+    where = f"{('lower', 'upper')[gripper]} gripper, {clock(when)}, {DOING.get(act, act)}"
+    steps = f"in {summary.steps} step{'' if summary.steps == 1 else 's'}"
     cells = (
-        ("climbed", number(1e3 * summary.distance_m, 0), "mm", f"in {summary.steps} steps"),
+        ("climbed", number(1e3 * summary.distance_m, 0), "mm", steps),
         ("time", number(summary.duration_s), "s", f"{number(summary.mean_speed_mm_s, 2)} mm/s on average"),
         ("speed of the bound", number(_share(analysis), 0), "%", f"bound {number(1e3 * analysis.bound, 2)} mm/s"),
         ("energy", number(analysis.energy, 1), "J", "put in by cylinders and servo"),
         ("largest force", number(summary.max_actuator_force_n), "N", "of a cylinder"),
-        ("least friction left, tilting not counted", number(analysis.least_margin, 2), "",
-         f"{('lower', 'upper')[gripper]} gripper, {clock(when)}"),
+        ("least friction left", number(least, 2), "", where),
         ("least transmission", number(summary.min_transmission, 2), "", "local index, along the climb"),
         ("error at gripping", number(1e3 * away, 2), "mm", f"{number(math.degrees(turned), 2)}° at most"),
     )  # fmt: skip
@@ -129,6 +133,7 @@ def _asked(log: ClimbLog) -> Markup:
                 ("Gravity", f"{x:g}, {y:g}, {z:g} m/s²"),
                 ("Plan", f"{len(log.plan.phases)} phases, {log.plan.duration_s:.1f} s, {log.plan.reached_m:.3f} m"),
                 ("Grippers", f"{log.robot.gripper.jaws} jaws, {log.robot.gripper.force:g} N each"),
+                ("Sensors", "without errors" if log.run.seed is None else f"with errors, seed {log.run.seed}"),
             )
         ),
     )
@@ -145,14 +150,14 @@ def _strip(log: ClimbLog) -> Markup:
 
 def _picture(picture: Picture, cls: str = "") -> Markup:
     data, kind = b64encode(picture.data).decode(), "webp" if picture.format == "webp" else "jpeg"
-    image = Markup(f'<img alt="" src="data:image/{kind};base64,{data}">')
+    image = Markup(f'<img alt="The robot on the pipe" src="data:image/{kind};base64,{data}">')
     return element("figure", image, element("figcaption", picture.frame_id), cls=cls)
 
 
 def _way(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
     caption = (
-        "One cylinder stroke out with the lower gripper holding, one back with the upper one. The bound is the stroke "
-        "over two strokes' time at full speed and four grip times."
+        "One cylinder stroke out with the lower gripper holding, one back with the upper one. The bound is that of "
+        "full strokes along a straight: a stroke over two strokes' time at full speed and four grip times."
     )
     return section("Way and time", figure(Markup(progress_figure(log, analysis)), "Way along the pipe", caption))
 
@@ -160,12 +165,13 @@ def _way(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
 def _limits(log: ClimbLog, analysis: ClimbAnalysis) -> Markup:
     loads = (
         "While both grippers hold, the mechanism is over-determined: cylinders give way to what each grip leaves, and "
-        "hand the weight over before one opens."
+        "hand the weight over before one opens. Friction left is 1 less the part of its grip that the wrench on a "
+        "gripper's pads takes; a closing jaw that pushes the robot straight takes some for a moment."
     )
     inside = "Commanded and achieved pose are those of the upper gripper in the lower one's frame."
     return section(
         "Loads and limits",
-        figure(Markup(loads_figure(log)), "Forces and friction", loads),
+        figure(Markup(loads_figure(log, analysis)), "Forces and friction", loads),
         figure(Markup(mechanism_figure(log, analysis)), "Transmission, speeds and tracking", inside),
     )
 

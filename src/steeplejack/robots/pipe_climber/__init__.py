@@ -7,6 +7,6 @@ What is here is the machine as data. Its mathematics is imported from the module
 """
 
 from steeplejack.robots.pipe_climber.layout import Layout
-from steeplejack.robots.pipe_climber.parameters import BUILT_IN, PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.parameters import BUILT_IN, SHIPPED, PipeClimber, load_pipe_climber
 
-__all__ = ["BUILT_IN", "Layout", "PipeClimber", "load_pipe_climber"]
+__all__ = ["BUILT_IN", "SHIPPED", "Layout", "PipeClimber", "load_pipe_climber"]

@@ -81,11 +81,30 @@ def linkage_bars(robot: PipeClimber, beta: ArrayLike) -> tuple[Array, Array]:
     return out, np.full(4, BAR)
 
 
+def ring_radius(robot: PipeClimber, beta: ArrayLike) -> Array:
+    """How far the linkage's bars keep from the axis of the lower gripper, (...) [m].
+
+    Args:
+        robot: The machine.
+        beta: Turn of the cranks, (...) [rad].
+    """
+    turn = np.minimum(np.abs(np.asarray(beta, dtype=np.float64)), 0.5 * math.pi)
+    return min(robot.rcm.crank, 0.5 * robot.rcm.coupler) * np.cos(turn) - BAR
+
+
+def widest_turn(robot: PipeClimber, radius: float) -> float:
+    """Largest turn at which the linkage's bars keep to a distance from the axis of the lower gripper [m]; in [rad]."""
+    return math.acos(min(1.0, (radius + BAR) / min(robot.rcm.crank, 0.5 * robot.rcm.coupler)))
+
+
+def limb_room(robot: PipeClimber) -> float:
+    """How far limbs, yokes and posts keep from the axis of a straight pipe on which both grippers are [m]."""
+    return min(robot.linkage.half_width - max(robot.build.limb_radius, YOKE), robot.rcm.crank - POST)
+
+
 def inner_radius(robot: PipeClimber) -> float:
     """How far every bar keeps from the axis of a straight pipe on which both grippers are, whatever beta is [m]."""
-    rcm = robot.rcm
-    ring = min(rcm.crank, 0.5 * rcm.coupler) * math.cos(min(rcm.limit, 0.5 * math.pi)) - BAR
-    return min(ring, robot.linkage.half_width - max(robot.build.limb_radius, YOKE))
+    return min(float(ring_radius(robot, robot.rcm.limit)), limb_room(robot))
 
 
 def _yoke(places: Array, half: float) -> Array:

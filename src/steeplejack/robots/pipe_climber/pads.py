@@ -38,6 +38,8 @@ INSET = 1.5
 ARTIFICIAL = 1e4
 """Price of a wrench no pad gives, in the linear programme [1]."""
 MOST_PIVOTS = 300
+BOTH, FIRST, LAST = 0, 1, 2
+"""Rows of pads that touch a pipe; the first one is that toward the pipe's beginning."""
 REFRESH = 400
 """Loads after which a tableau is begun anew, before rounding gathers."""
 
@@ -59,21 +61,24 @@ def pad_clock(robot: PipeClimber, radius: float) -> float:
     return math.asin(half / reach)
 
 
-def grip_body(robot: PipeClimber, radius: float) -> Array:
+def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH) -> Array:
     """Corners of the set of wrenches that the pads of a closed gripper give.
 
     Args:
         robot: The machine; jaws, pads, force and friction.
         radius: Of the pipe [m].
+        rows: Which rows of pads touch it, `BOTH`, `FIRST` or `LAST`: jaws are stiff and slide across the pipe, so that
+            of rows on two diameters those on the larger one do.
 
     Returns:
-        (8 pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
+        (pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
     """
     phi, row, friction = pad_clock(robot, radius), pad_row(robot), robot.gripper.friction
     edge = 2.0 * math.pi * np.arange(EDGES) / EDGES
-    points = np.empty((8, EDGES, 6))
+    ends = {BOTH: (1.0, -1.0), FIRST: (-1.0,), LAST: (1.0,)}[rows]
+    points = np.empty((4 * len(ends), EDGES, 6))
     jaws = robot.gripper.jaws * robot.gripper.force * math.cos(phi)
-    corners = [(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in (1.0, -1.0)]
+    corners = [(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in ends]
     for k, (jaw, side, end) in enumerate(corners):
         normal = np.array([jaw * math.cos(phi), side * math.sin(phi), 0.0])
         around, along = np.array([-normal[1], normal[0], 0.0]), np.array([0.0, 0.0, 1.0])

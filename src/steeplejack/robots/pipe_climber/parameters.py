@@ -13,6 +13,8 @@ Convention = Literal["text", "equations"]
 Neutral = Literal["none", "normal", "home"]
 
 BUILT_IN = "pipe-climber"
+SHIPPED = (BUILT_IN, "pipe-climber-cross")
+"""Machines with a robot file here, by name."""
 
 
 class Linkage(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -68,7 +70,6 @@ class Gripper(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     force: Positive
     jaws: Annotated[int, msgspec.Meta(ge=1)]
     friction: Positive
-    torque: Positive
     close_time: NonNegative
     pipe_diameter: Window
 
@@ -107,6 +108,7 @@ class Gait(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     clearance: Positive
     palm: Positive
     relief: Positive
+    reserve: Annotated[float, msgspec.Meta(ge=0.0, lt=1.0)]
 
 
 class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -127,7 +129,7 @@ def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
     """Read a pipe climber from its built-in name or a TOML file.
 
     Args:
-        robot: ``pipe-climber`` or the path of a TOML file of the same form.
+        robot: ``pipe-climber``, another of `SHIPPED`, or the path of a TOML file of the same form.
 
     Returns:
         The machine, frozen, SI.
@@ -135,4 +137,5 @@ def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
     Raises:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
-    return load_machine(robot, BUILT_IN, "steeplejack.robots.pipe_climber", PipeClimber)
+    name = str(robot) if str(robot) in SHIPPED else BUILT_IN
+    return load_machine(robot, name, "steeplejack.robots.pipe_climber", PipeClimber)

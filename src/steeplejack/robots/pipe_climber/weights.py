@@ -44,6 +44,11 @@ def linkage_mass(robot: PipeClimber) -> float:
     return rest
 
 
+def own_moment(robot: PipeClimber) -> float:
+    """First moment, along its X, of what turns with the lower gripper; the linkage's bars have none [kg m]."""
+    return (robot.build.gripper_mass - 2.0 * robot.build.jaw_mass) * FRAME[0]
+
+
 def first_moments(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, payload: float = 0.0) -> tuple[float, Array]:
     """Mass of robot and payload, and its first moment about the lower gripper's middle.
 
@@ -58,15 +63,15 @@ def first_moments(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, paylo
     """
     given = np.asarray(freedoms, dtype=np.float64)
     poses, beta = given[..., :3], given[..., 3]
-    own = np.array([(robot.build.gripper_mass - 2.0 * robot.build.jaw_mass) * one for one in FRAME])
+    upward = (robot.build.gripper_mass - 2.0 * robot.build.jaw_mass) * FRAME[1]
     turned = np.zeros((*beta.shape, 3))  # what turns with the mechanism
     turned[..., 0] += robot.build.plate_mass * 0.5 * float(layout.base.min())
     turned += _cylinders(robot, layout, poses) + _upper(robot, layout, poses, payload)
     out = np.empty_like(turned)
     cosine, sine = np.cos(beta), np.sin(beta)
-    out[..., 0] = own[0] + turned[..., 0] * cosine - turned[..., 1] * sine
+    out[..., 0] = own_moment(robot) + turned[..., 0] * cosine - turned[..., 1] * sine
     out[..., 1] = turned[..., 0] * sine + turned[..., 1] * cosine
-    out[..., 2] = turned[..., 2] - own[1] + linkage_mass(robot) * linkage_height(robot)
+    out[..., 2] = turned[..., 2] - upward + linkage_mass(robot) * linkage_height(robot)
     return robot.body.mass + payload, out
 
 

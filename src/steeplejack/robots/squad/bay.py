@@ -8,6 +8,7 @@ axis along the outward normal of the face [m].
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -88,7 +89,7 @@ class Bay:
         y /= np.linalg.norm(y)
         return np.column_stack([np.cross(y, z), y, z])
 
-    @property
+    @cached_property
     def carriers(self) -> tuple[int, int, int, int]:
         """Boundary stay of each base: cables 1 and 4 go to the platform's -x side, 1 and 2 are the lower ones.
 

@@ -18,7 +18,7 @@ RIDGES = math.radians(15.0)  # between the ridges that an obstacle over part of 
 
 
 def solids_of(run: PipeRun) -> list[Solid]:
-    """Pipes as capsules, flanges and the like as cylinders, what stands on part of the clock as ridges along it."""
+    """Straights, flanges and the like as cylinders, bends as chords, what stands on part of the clock as ridges."""
     pipes = [solid for pipe in run.pipes for part in pipe.parts for solid in _part(part)]
     obstacles = [solid for obstacle in run.obstacles for solid in _obstacle(run, obstacle)]
     return pipes + obstacles + [mark for pipe in run.pipes for mark in _marks(pipe)]
@@ -82,14 +82,21 @@ def clearing(run: PipeRun, phase: Phase, following: Phase) -> float:
 
 
 def _part(part: Part) -> list[Solid]:
-    """One capsule for a straight, chords for a bend."""
+    """One cylinder for a straight, chords for a bend.
+
+    Chords within a bend are capsules, whose round ends fill what flat ones would leave open on its outside. The first
+    and the last one end flat, so that where the diameter changes there is a step and no dome.
+    """
     chords = 1
     if not part.straight:
         most = 2.0 * math.sqrt(2.0 * part.radius * SAGITTA)
         chords = max(1, math.ceil(part.length / most))
     points, _ = part.at(part.start + np.linspace(0.0, part.length, chords + 1))
-    radius = 0.5 * part.diameter
-    return [Solid("pipe", "capsule", a, b, radius) for a, b in zip(points[:-1], points[1:], strict=True)]
+    radius, last = 0.5 * part.diameter, chords - 1
+    return [
+        Solid("pipe", "cylinder" if k in (0, last) else "capsule", a, b, radius)
+        for k, (a, b) in enumerate(zip(points[:-1], points[1:], strict=True))
+    ]
 
 
 def _marks(pipe: Pipe) -> list[Solid]:

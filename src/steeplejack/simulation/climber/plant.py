@@ -19,11 +19,11 @@ from steeplejack.robots.pipe_climber import Layout, PipeClimber
 from steeplejack.robots.pipe_climber.inverse import limb_lengths, limb_vectors
 from steeplejack.simulation.climber import drives
 from steeplejack.simulation.climber.scene import JAW_STIFFNESS, SCREW_DAMPING, SERVO_DAMPING, TIMESTEP, build
+from steeplejack.simulation.climber.sensors import SensorErrors
 from steeplejack.simulation.climber.solids import Array, Solid
 from steeplejack.simulation.climber.truth import ENDS, Eyes, Truth
 from steeplejack.simulation.engine import mujoco
 
-DRIVEN = 2  # physics steps for which the drives' goals stand
 PRESS = 1.3  # how far a closed jaw's goal lies inside what it touches, in parts of what its force needs [1]
 END = 5e-4  # [m] from the end of a cylinder's window to the stop of its screw
 HASTE = 0.75  # share of the close time in which a jaw's goal moves, the rest is for the force to build up [1]
@@ -58,6 +58,7 @@ class ClimberPlant:
         start: Where it hangs.
         friction: Of the pads of the lower and the upper gripper [1].
         payload: At the middle of the upper gripper [kg].
+        errors: Of the sensors; those of none by default.
     """
 
     def __init__(
@@ -69,20 +70,26 @@ class ClimberPlant:
         start: Start,
         friction: tuple[float, float],
         payload: float = 0.0,
+        errors: SensorErrors | None = None,
     ) -> None:
         self.robot, self.layout, self.friction, self.payload = robot, layout, friction, payload
+        self._errors, self._gravity = errors or SensorErrors(), gravity
+        self._leaning = self._errors.leaning()
         self.model = model = build(robot, layout, solids, gravity, friction, payload)
         self.data = data = mujoco.MjData(model)
         self._limbs = np.array([model.joint(f"limb{i}").qposadr[0] for i in (1, 2, 3)])
         self._turn = int(model.joint("G1").qposadr[0])
         self._jaws = np.array([[model.joint(f"{end}_{jaw}").qposadr[0] for jaw in "ab"] for end in ENDS])
         self._eyes = Eyes(model, data)
+        self._touch = np.stack((model.geom_contype, model.geom_conaffinity), axis=-1)
+        bars = [int(model.body(name).id) for name in ("G1", "G2", "G3", "G4")]
+        self._ring = np.flatnonzero(np.isin(model.geom_bodyid, bars))
         self._first_jaw = int(model.actuator("lower_a").id)
         self._passed = np.zeros((2, 2))
         parts, press = robot.build, PRESS * robot.gripper.force / JAW_STIFFNESS
         slack = robot.cylinders.force / parts.screw_stiffness
         rate = (parts.jaw_clearance + press) / (HASTE * robot.gripper.close_time)
-        retracted = np.array(robot.cylinders.retracted)
+        self._retracted = retracted = np.array(robot.cylinders.retracted)
         self._windows = np.stack((retracted - END, retracted + robot.cylinders.stroke + END), axis=-1)
         leads = SCREW_DAMPING / parts.screw_stiffness, SERVO_DAMPING / parts.servo_stiffness
         self._constants = np.array(
@@ -134,19 +141,18 @@ class ClimberPlant:
         self._command = command
 
     def advance(self, steps: int) -> None:
-        """Advance the physics, drives every other step."""
+        """Advance the physics; drives with it, or rods would meet their screws in jerks of a newton."""
         model, data, command = self.model, self.data, self._command
         most = np.array([*[self.robot.cylinders.speed] * 3, SERVO_SPEED])
         speeds = np.clip(np.append(command.speeds, command.servo_speed), -most, most)
-        for first in range(0, steps, DRIVEN):
-            count = min(DRIVEN, steps - first)
+        for _ in range(steps):
             drives.advance(
-                count * TIMESTEP, self._controls, self._goals, self._ranges, self._qpos[self._places],
-                speeds, self._windows, command.closed, command.opening, self._constants,
+                TIMESTEP, self._controls, self._goals, self._ranges, self._qpos[self._places], speeds, self._windows,
+                command.closed, command.opening, self._constants,
             )  # fmt: skip
-            mujoco.mj_step(model, data, count)
+            mujoco.mj_step(model, data)
             self._strongest, power = drives.load(self._forces, self._rates, self._strongest)
-            self.work += count * TIMESTEP * power
+            self.work += TIMESTEP * power
         self._count()
 
     def strongest(self) -> float:
@@ -162,22 +168,36 @@ class ClimberPlant:
 
     def measure(self) -> Measurement:
         """Read the sensors."""
-        build, force = self.robot.build, self._forces
-        place = self._qpos[self._jaws[:, 0]]
+        build, force, errors = self.robot.build, self._forces, self._errors
+        place, lengths, turn = self._qpos[self._jaws[:, 0]], self._qpos[self._limbs], self._qpos[self._turn]
+        lengths = lengths + errors.encoder * (lengths - self._retracted) + errors.zero
+        turn = (1.0 + errors.servo[0]) * turn + errors.servo[1]
         grip = np.maximum(-0.5 * (force[self._first_jaw :: 2] + force[self._first_jaw + 1 :: 2]), 0.0)
         return Measurement(
-            lengths=_grained(self._qpos[self._limbs], build.encoder_step),
-            forces=force[:3].copy(),
-            beta=round(self._qpos[self._turn] / build.angle_step) * build.angle_step,
+            lengths=_grained(lengths, build.encoder_step),
+            forces=(1.0 + errors.current) * force[:3],
+            beta=round(turn / build.angle_step) * build.angle_step,
             jaws=place,
-            grip=grip * np.hypot(place, 0.5 * build.jaw_width) / place,
-            passed=_grained(self._passed, build.slip_step),
+            grip=(1.0 + errors.grip) * grip * np.hypot(place, 0.5 * build.jaw_width) / place,
+            passed=_grained((1.0 + errors.passed)[:, None] * self._passed, build.slip_step),
+            gravity=self._leaning @ (self._gravity @ self._frames[0, 3:].reshape(3, 3)),
         )
 
     def set_friction(self, lower: float, upper: float) -> None:
         """Change the pads' friction, as oil or water does."""
         for gripper, friction in enumerate((lower, upper)):
             self.model.geom_friction[self._eyes.pads(gripper), 0] = friction
+
+    def set_aside(self, lower: bool, upper: bool) -> None:
+        """Swing the jaws of a gripper clear of everything, and the bars of the linkage with the lower one's, or back.
+
+        On the way from one pipe to another; how they do it has no body here.
+        """
+        for gripper, aside in enumerate((lower, upper)):
+            mine = np.concatenate((self._eyes.pads(gripper), self._ring if gripper == 0 else []))
+            away = mine.astype(np.int64)
+            self.model.geom_contype[away] = 0 if aside else self._touch[away, 0]
+            self.model.geom_conaffinity[away] = 0 if aside else self._touch[away, 1]
 
     def truth(self) -> Truth:
         """The true state."""

@@ -18,17 +18,16 @@ from steeplejack.control.climber import (
     State,
     Status,
     closed_in,
-    holding_forces,
     taken_up,
 )
 from steeplejack.control.climber.gait import ALLOWED
 from steeplejack.errors import SteeplejackError
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
-from steeplejack.robots.pipe_climber.pads import pad_row
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.runtime.climb_record import EndRecord
 from steeplejack.simulation.climber.odometry import Odometer
-from steeplejack.simulation.climber.pipe import clearing, lower_frame
+from steeplejack.simulation.climber.pipe import clearing
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array, MoveReference
 from steeplejack.simulation.climber.truth import ENDS
@@ -99,7 +98,7 @@ class ClimbRun:
         self._plant, self._watch, self._asked_to_stop = plant, watch, asked_to_stop
         self._controller = ClimberController(robot)
         self._state: State = self._controller.begin(plant.measure())
-        self._odometer = Odometer(robot, layout, run, plant.measure().passed[:, 0], plan.phases[0])
+        self._odometer = Odometer(robot, layout, plant.measure().passed[:, 0])
         self._steps, self._slips, self._regrips = 0, 0, 0
 
     @property
@@ -126,21 +125,31 @@ class ClimbRun:
             course = self._begin(index, self._plan.phases[index])
             while course.act not in (Act.DONE, Act.STOPPED):
                 self._advance(index, course, step)
+            if course.act is Act.DONE and course.phase.kind == "move":
+                lengths = self._plant.measure().lengths
+                self._odometer.moved(course.phase, course.reference, lengths, self._together(index))
             if course.act is Act.STOPPED or index + 1 == len(self._plan.phases):
                 return index, course
             index += 1
 
     def _begin(self, index: int, phase: Phase) -> _Course:
         reference = MoveReference.of(self._layout, phase, CONTROL_STEP)
-        passed = self._plant.measure().passed[:, 0]
+        aside = phase.crosses and phase.kind == "move"
+        self._plant.set_aside(aside and phase.hold is Hold.UPPER, aside and phase.hold is Hold.LOWER)
+        measured = self._plant.measure()
         if phase.kind == "move":
-            reference = self._odometer.corrected(reference, phase, passed)
+            reference = self._odometer.corrected(reference, phase, measured.lengths, self._together(index))
         # Open jaws clear what lies between where their gripper comes from and where it goes.
         later = self._plan.phases[index : index + 3]
         radius = max(clearing(self._run, a, b) for a, b in zip((phase, *later), later, strict=False))
-        gravity = np.array(self._run.gravity) @ lower_frame(self._run, phase, pad_row(self._robot))[:3, :3]
-        loads = holding_forces(self._robot, self._layout, np.array(phase.start), gravity, self._plant.payload)
+        pose = np.array(phase.start)
+        loads = holding_forces(self._robot, self._layout, pose, measured.gravity, self._plant.payload)
         return _Course(phase, reference, np.full(2, radius), loads, FIRST[phase.kind], self.time, self.time)
+
+    def _together(self, index: int) -> bool:
+        """Whether both grippers are on one pipe when a phase has ended."""
+        after = self._plan.phases[min(index + 1, len(self._plan.phases) - 1)]
+        return after.pipe_lower == after.pipe_upper
 
     def _load(self, course: _Course) -> Array | None:
         """What the cylinders should bear (3,) [N]: what comes next when one opens, half and half after a slip."""
@@ -167,6 +176,7 @@ class ClimbRun:
             joints[:3], rates[:3], joints[3], float(rates[3]), np.array(closed), course.radius, self._load(course)
         )
         measured = self._plant.measure()
+        self._odometer.count(np.array(closed), measured.passed[:, 0])
         before = self._state.held
         self._state, command, status = self._controller.step(self._state, reference, measured, CONTROL_STEP)
         self._plant.apply(command)
@@ -178,7 +188,7 @@ class ClimbRun:
         for end in np.flatnonzero(fresh):
             self._watch.gripped(self.time, index, course.phase, int(end), pose, measured)
         if self._steps % SAMPLE_EVERY == 0:
-            self._watch.sample(self.time, index, course.act, closed, pose, measured, status)
+            self._watch.sample(self.time, index, course.phase, course.act, closed, pose, measured, status)
             step(self.time)
         outcome = self._judge(course, status, closed)
         if outcome is not None:
@@ -260,5 +270,5 @@ class ClimbRun:
             self._plant.advance(self._substeps)
             self._steps += 1
             if self._steps % SAMPLE_EVERY == 0:
-                self._watch.sample(self.time, index, course.act, (True, True), pose, measured, status)
+                self._watch.sample(self.time, index, course.phase, course.act, (True, True), pose, measured, status)
                 step(self.time)

@@ -27,6 +27,7 @@ from steeplejack.simulation.climber.camera import Camera, Film, Strip
 from steeplejack.simulation.climber.pipe import lower_frame, radii, solids_of
 from steeplejack.simulation.climber.plant import ClimberPlant, Start
 from steeplejack.simulation.climber.run import ClimbRun
+from steeplejack.simulation.climber.sensors import SensorErrors
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_run import PipeRun
 
@@ -44,6 +45,7 @@ class ClimbSession:
         layout: Hinges of its limbs.
         friction: Of the pads of the lower and the upper gripper on the pipe [1].
         payload: On the upper gripper [kg].
+        seed: Of the sensors' errors; None for sensors without.
     """
 
     plan: ClimbPlan
@@ -52,6 +54,7 @@ class ClimbSession:
     layout: Layout
     friction: tuple[float, float]
     payload: float = 0.0
+    seed: int | None = 0
 
     def plant(self) -> ClimberPlant:
         """The robot where the plan begins, in physics, both grippers closed.
@@ -64,7 +67,9 @@ class ClimbSession:
         first = self.plan.phases[0]
         start = Start(lower_frame(self.run, first, pad_row(self.robot)), np.array(first.start), radii(self.run, first))
         gravity = np.array(self.run.gravity)
-        return ClimberPlant(self.robot, self.layout, solids_of(self.run), gravity, start, self.friction, self.payload)
+        errors = SensorErrors.drawn(np.random.default_rng(self.seed)) if self.seed is not None else None
+        solids = solids_of(self.run)
+        return ClimberPlant(self.robot, self.layout, solids, gravity, start, self.friction, self.payload, errors)
 
     def simulate(
         self,
@@ -114,7 +119,7 @@ class ClimbSession:
         solids = tuple(SolidRecord(one.kind, triple(one.start), triple(one.end), one.radius) for one in solids_of(run))
         head = RunRecord(
             run.name, run.description, run.source, run.gravity, self.friction, solids, version("steeplejack"),
-            self.payload,
+            self.payload, self.seed,
         )  # fmt: skip
         recorder.write("/run", head, 0.0)
         recorder.write("/robot", self.robot, 0.0)

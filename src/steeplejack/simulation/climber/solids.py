@@ -1,4 +1,4 @@
-"""The pipe run as bodies: capsules along the centre line, obstacles on the surface, painted marks to see it move by."""
+"""The pipe run as bodies: round ones along the centre line, obstacles on the surface, painted marks beside them."""
 
 from __future__ import annotations
 

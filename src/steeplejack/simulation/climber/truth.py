@@ -23,7 +23,7 @@ class Truth:
         forces: Of the cylinders, positive when pushing (3,) [N].
         normal: Sum of the pads' normal forces of each gripper (2,) [N].
         press: What the jaws of each press with along their way, both together (2,) [N].
-        wrench: Of the pipe on each gripper through its pads, (moment; force) at its middle in its frame (2, 6) [N m, N].
+        wrench: Of the pipe on each gripper through its pads, (moment; force) in its frame (2, 6) [N m, N].
         touching: Pairs of geoms that touch and should not.
     """
 
@@ -68,32 +68,32 @@ class Eyes:
     def __call__(self) -> Truth:
         """The truth now."""
         frames = self.frames()
-        normal, press, wrench, touching = self._contacts(frames)
-        lower, upper = (_transform(frame) for frame in frames)
-        return Truth(lower, upper, self._data.actuator_force[:3].copy(), normal, press, wrench, touching)
-
-    def _contacts(self, frames: Array) -> tuple[Array, Array, Array, tuple[tuple[str, str], ...]]:
-        """What the pads press with and bear, and what touches that should not."""
-        contact, normal, press, wrench = self._data.contact, np.zeros(2), np.zeros(2), np.zeros((2, 6))
-        pressing = contact.exclude == 0  # the others are too far apart
-        geoms, address = contact.geom[pressing], contact.efc_address[pressing]
+        contact = self._data.contact
+        pressing = np.flatnonzero(contact.exclude == 0)  # the others are too far apart
+        geoms = contact.geom[pressing]
         gripper = self._gripper[geoms].max(axis=1)
         wrong = (gripper < 0) | self._obstacle[geoms].any(axis=1)
         touching = tuple((self._names[a], self._names[b]) for a, b in geoms[wrong])
-        axes, places = contact.frame[pressing].reshape(-1, 3, 3), contact.pos[pressing]
-        pushed = np.where(self._gripper[geoms[:, 1]] >= 0, 1.0, -1.0)  # the force is that on the second geom
-        sides = self._side[geoms].sum(axis=1)
-        for i in range(2):
-            mine = ~wrong & (gripper == i)
-            if not mine.any():
-                continue
-            force = self._data.efc_force[address[mine, None] + np.arange(3)]  # elliptic cones: along the axes
-            turn = frames[i, 3:].reshape(3, 3)  # columns are the gripper's axes
-            pads = pushed[mine, None] * np.einsum("ck,ckj->cj", force, axes[mine]) @ turn
-            arms = (places[mine] - frames[i, :3]) @ turn
-            normal[i], press[i] = force[:, 0].sum(), sides[mine] @ pads[:, 0]
-            wrench[i] = np.concatenate((np.cross(arms, pads).sum(axis=0), pads.sum(axis=0)))
-        return normal, press, wrench, touching
+        borne = [self._borne(pressing[~wrong & (gripper == end)], frames[end]) for end in range(2)]
+        normal, press, wrench = (np.array(each) for each in zip(*borne, strict=True))
+        lower, upper = (_transform(frame) for frame in frames)
+        forces = self._data.actuator_force[:3].copy()
+        return Truth(lower, upper, forces, normal, press, wrench, touching)
+
+    def _borne(self, contacts: NDArray[np.int64], frame: Array) -> tuple[float, float, Array]:
+        """What the pads of a gripper press with and bear: normal forces, along the jaws' way, wrench."""
+        if not len(contacts):
+            return 0.0, 0.0, np.zeros(6)
+        contact = self._data.contact
+        geoms, address = contact.geom[contacts], contact.efc_address[contacts]
+        force = self._data.efc_force[address[:, None] + np.arange(3)]  # elliptic cones: along the axes
+        pad = np.where(self._gripper[geoms[:, 1]] >= 0, geoms[:, 1], geoms[:, 0])
+        pushed = np.where(pad == geoms[:, 1], 1.0, -1.0)  # the force is that on the second geom
+        turn = frame[3:].reshape(3, 3)  # columns are the gripper's axes
+        axes, arms = contact.frame[contacts].reshape(-1, 3, 3), (contact.pos[contacts] - frame[:3]) @ turn
+        pads = pushed[:, None] * np.einsum("ck,ckj->cj", force, axes) @ turn
+        wrench = np.concatenate((np.cross(arms, pads).sum(axis=0), pads.sum(axis=0)))
+        return float(force[:, 0].sum()), float(self._side[pad] @ pads[:, 0]), wrench
 
 
 def _transform(frame: Array) -> Array:

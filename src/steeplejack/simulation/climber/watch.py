@@ -15,7 +15,7 @@ from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
-from steeplejack.simulation.climber.friction_left import FrictionLeft
+from steeplejack.simulation.climber.friction_left import FrictionLeft, declared_press, resting_rows
 from steeplejack.simulation.climber.pipe import frame_at
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
@@ -51,8 +51,10 @@ class Watch:
 
     @property
     def hanging(self) -> bool:
-        """Whether both grippers were closed and still on their pipes at the last sample."""
-        pressed = self._plant.truth().normal >= PRESSED * 2.0 * self._plant.robot.gripper.force
+        """Whether both grippers pressed on their pipes and stood still at the last sample."""
+        robot, truth = self._plant.robot, self._plant.truth()
+        radii = pipe_radius(robot, self._plant.measure().jaws)
+        pressed = truth.press >= PRESSED * np.array([declared_press(robot, float(radius)) for radius in radii])
         return bool(self._speed < STILL and np.all(pressed))
 
     def note(self, at: float, text: str, kind: str) -> None:
@@ -79,6 +81,7 @@ class Watch:
         self,
         at: float,
         index: int,
+        phase: Phase,
         act: Act,
         closed: tuple[bool, bool],
         pose: Array,
@@ -111,7 +114,7 @@ class Watch:
             forces_n=triple(truth.forces),
             max_force_n=float(self._plant.strongest()),
             grip_n=pair(measured.grip),
-            margin=self._margins(truth, measured, status.held),
+            margin=self._margins(truth, measured, phase, status.held),
             slip_m=pair(status.slip),
             lower_m=triple(truth.lower[:3, 3]),
             upper_m=triple(truth.upper[:3, 3]),
@@ -128,9 +131,12 @@ class Watch:
             if picture is not None:
                 self._recorder.write("/camera", picture, at)
 
-    def _margins(self, truth: Truth, measured: Measurement, held: Flags) -> tuple[float | None, float | None]:
+    def _margins(
+        self, truth: Truth, measured: Measurement, phase: Phase, held: Flags
+    ) -> tuple[float | None, float | None]:
         """Friction left to each gripper that is counted on; None of the others."""
-        left = self._left(truth, pipe_radius(self._plant.robot, measured.jaws))
+        robot = self._plant.robot
+        left = self._left(truth, pipe_radius(robot, measured.jaws), resting_rows(robot, self._run, phase))
         lower, upper = (float(left[i]) if held[i] and np.isfinite(left[i]) else None for i in range(2))
         return lower, upper
 
