@@ -16,11 +16,11 @@ import msgspec
 import numpy as np
 from matplotlib import pyplot as plt
 
-from steeplejack.control.climber import holding_forces
 from steeplejack.planning.climb import plan_climb
 from steeplejack.planning.climb.grip import alone, along_way
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.simulation.climber.run import ClimbRun

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hung_climber import GRAVITY, LAYOUT, ROBOT, hung
 
-from steeplejack.control.climber import Command, holding_forces
+from steeplejack.control.climber import Command
 from steeplejack.control.climber.jaws import open_place
 from steeplejack.planning.climb.plan import Pose
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.grippers import free_gripper, freedoms_of
 from steeplejack.robots.pipe_climber.inverse import limb_vectors
 from steeplejack.robots.pipe_climber.jacobian import jacobian

@@ -12,7 +12,7 @@ import pytest
 from hung_climber import GRAVITY, LAYOUT, ROBOT, RUN, hung, leaning, nothing, started, strides
 from msgspec.structs import replace
 
-from steeplejack.control.climber import holding_forces
+from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.runtime.climb_record import ClimbSample
