@@ -80,7 +80,8 @@ def climb(
 ) -> Climb:
     """Run a plan in physics, the sensors' errors so many times their tolerances."""
     first = plan.phases[0]
-    start = Start(lower_frame(run, first, pad_row(robot)), np.array(first.start), radii(run, first))
+    under = radii(run, first, 0.5 * robot.build.jaw_length)
+    start = Start(lower_frame(run, first, pad_row(robot)), np.array(first.start), under)
     errors, layout = SensorErrors.drawn(np.random.default_rng(seed), times), Layout.of(robot)
     plant = ClimberPlant(robot, layout, solids_of(run), np.array(run.gravity), start, (mu, mu), load, errors)
     watch = Watch(plant, run, None)

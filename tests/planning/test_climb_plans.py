@@ -187,7 +187,9 @@ def test_a_collar_higher_than_the_clearance_is_refused_and_says_how_much_is_need
     run = load_pipe("flange")
     run = replace(run, obstacles=tuple(replace(one, height=0.020) for one in run.obstacles))
     why = refusal(run)
-    assert "clearance about the pipe of 12 mm" in why and "a clearance of 20 mm" in why
+    assert "clearance about the pipe of 12 mm" in why
+    enough = re.search(r"a clearance of (\d+) mm", why)
+    assert enough and 20 <= int(enough[1]) <= 22  # halved down to it
 
 
 def test_a_collar_longer_than_a_stride_less_a_row_of_pads_is_refused():

@@ -19,7 +19,7 @@ from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.simulation.climber.camera import FRAMES, Camera, Film, Strip
 from steeplejack.simulation.climber.odometry import Odometer
-from steeplejack.simulation.climber.pipe import clearing, frame_at
+from steeplejack.simulation.climber.pipe import clearing, frame_at, radii
 from steeplejack.simulation.climber.reference import MoveReference
 from steeplejack.worksite.pipe_builtin import load_pipe
 
@@ -126,8 +126,18 @@ def test_open_jaws_clear_what_lies_between() -> None:
     run = load_pipe("flange")
     at, following = replace(move("lower"), s_lower=0.1, s_upper=0.30), replace(move("lower"), s_lower=0.1, s_upper=0.40)
     one = run.obstacles[0]
-    assert clearing(run, at, following) == pytest.approx(float(run.radius(one.start)) + one.height)
-    assert clearing(run, at, at) == pytest.approx(float(run.radius(0.2)))
+    assert clearing(run, at, following, 0.0375) == pytest.approx(float(run.radius(one.start)) + one.height)
+    assert clearing(run, at, at, 0.0375) == pytest.approx(float(run.radius(0.2)))
+
+
+def test_open_jaws_clear_the_thicker_pipe_under_their_end() -> None:
+    run = load_pipe("reducer")
+    at, following = (
+        replace(move("upper"), s_lower=0.41, s_upper=0.60),
+        replace(move("upper"), s_lower=0.46, s_upper=0.60),
+    )
+    assert clearing(run, at, following, 0.0375) == radii(run, at, 0.0375)[0] == 0.030
+    assert radii(run, following, 0.0375) == pytest.approx((0.025, 0.025))
 
 
 def test_what_pads_press_with_is_what_mujoco_says() -> None:

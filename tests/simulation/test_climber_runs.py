@@ -5,11 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import msgspec
+import numpy as np
 import pytest
-from hung_climber import LAYOUT, ROBOT, nothing
+from hung_climber import GRAVITY, LAYOUT, ROBOT, nothing
 
 from steeplejack.planning.climb import ClimbPlan, plan_climb
+from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.places import footing
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
+from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
+from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.watch import Watch
@@ -49,6 +55,23 @@ def test_the_hard_part_is_climbed_within_a_millimetre_and_half_a_degree(name: st
     assert min(moving) > ROBOT.gait.reserve - 0.02  # as planned, but for the edges of the cones
     turned = max(abs(sample.reference[3]) for sample in watch.samples)
     assert (turned > 0.1) is (name in ("clock-obstacle", "around"))
+
+
+def test_a_change_of_diameter_is_climbed_with_one_row_of_pads_at_a_time() -> None:
+    """At a friction with which one row holds alone: open jaws clear the thicker pipe below their middle."""
+    robot = msgspec.structs.replace(ROBOT, gripper=msgspec.structs.replace(ROBOT.gripper, friction=0.7))
+    run = replace(load_pipe("reducer"), start_s=0.29, goal_s=0.46)
+    plan = plan_climb(run, robot)
+    plant = ClimbSession(plan, run, robot, LAYOUT, (0.7, 0.7)).plant()
+    watch = Watch(plant, run, None)
+    end = ClimbRun(plan, run, robot, LAYOUT, plant, watch).run(nothing)
+    assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
+    moving = [one for sample in watch.samples if sample.act == "move" for one in sample.margin if one is not None]
+    machine = Machine.of(robot)
+    radius, rows = footing(machine, run.pipe("main"), np.array([0.41]))[0]
+    loads = grip_loads(robot, LAYOUT, np.array([0.0, 0.15, 0.0, 0.0]), GRAVITY)
+    assert int(rows) != BOTH
+    assert min(moving) == pytest.approx(1.0 - grip_use(grip_body(robot, float(radius), int(rows)), loads[0]), abs=0.05)
 
 
 def test_the_planar_cross_is_climbed_over() -> None:

@@ -13,7 +13,6 @@ from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
 
 SAGITTA = 5e-5  # [m] by which the chords of a bend may leave its arc
 MARKS = 0.1  # [m] between rings painted on the pipe
-NEAR = 0.03  # [m] along the pipe from a gripper's middle to where its pads end
 RIDGES = math.radians(15.0)  # between the ridges that an obstacle over part of the clock is made of
 
 
@@ -51,19 +50,20 @@ def lower_frame(run: PipeRun, phase: Phase, row: float) -> Array:
     return frame_at(run.pipe(phase.pipe_lower), phase.s_lower, phase.clock, row)
 
 
-def radii(run: PipeRun, phase: Phase) -> Array:
-    """Of the pipe at the lower and the upper gripper when a phase begins (2,) [m]."""
+def radii(run: PipeRun, phase: Phase, half: float) -> Array:
+    """Of the pipe under the lower and the upper gripper, jaws of a half length [m], when a phase begins (2,) [m]."""
     places = ((phase.s_lower, phase.pipe_lower), (phase.s_upper, phase.pipe_upper))
-    return np.array([float(run.radius(s, pipe)) for s, pipe in places])
+    return np.array([_widest(run.pipe(pipe), s - half, s + half) for s, pipe in places])
 
 
-def clearing(run: PipeRun, phase: Phase, following: Phase) -> float:
+def clearing(run: PipeRun, phase: Phase, following: Phase, half: float) -> float:
     """Radius that open jaws must clear while a gripper goes from one place to another along a pipe [m].
 
     Args:
         run: The pipes.
         phase: Where the grippers are when it begins.
         following: Where they are when it has ended.
+        half: From a gripper's middle to the ends of its jaws [m].
 
     Returns:
         The largest radius of the pipe on the way, with the highest obstacle.
@@ -74,11 +74,18 @@ def clearing(run: PipeRun, phase: Phase, following: Phase) -> float:
         low, high = min(before, after), max(before, after)
         if pipe != getattr(following, f"pipe_{end}"):
             low, high = before, before
-        widest = max(widest, float(run.radius(np.linspace(low, high, 9), pipe).max()))
+        first, last = low - half, high + half
+        widest = max(widest, _widest(run.pipe(pipe), first, last))
         for one in run.obstacles:
-            if one.pipe == pipe and one.start - NEAR < high and one.end + NEAR > low and high > low:
+            if one.pipe == pipe and one.start < last and one.end > first and high > low:
                 widest = max(widest, float(run.radius(one.start, pipe)) + one.height)
     return widest
+
+
+def _widest(pipe: Pipe, first: float, last: float) -> float:
+    """Largest radius between two places along a pipe [m]; beyond its ends that of its ends."""
+    first, last = np.clip((first, last), 0.0, pipe.length)
+    return max(0.5 * part.diameter for part in pipe.parts if part.start <= last and part.start + part.length >= first)
 
 
 def _part(part: Part) -> list[Solid]:

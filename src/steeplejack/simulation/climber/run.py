@@ -140,8 +140,8 @@ class ClimbRun:
         if phase.kind == "move":
             reference = self._odometer.corrected(reference, phase, measured.lengths, self._together(index))
         # Open jaws clear what lies between where their gripper comes from and where it goes.
-        later = self._plan.phases[index : index + 3]
-        radius = max(clearing(self._run, a, b) for a, b in zip((phase, *later), later, strict=False))
+        later, half = self._plan.phases[index : index + 3], 0.5 * self._robot.build.jaw_length
+        radius = max(clearing(self._run, a, b, half) for a, b in zip((phase, *later), later, strict=False))
         pose = np.array(phase.start)
         loads = holding_forces(self._robot, self._layout, pose, measured.gravity, self._plant.payload)
         return _Course(phase, reference, np.full(2, radius), loads, FIRST[phase.kind], self.time, self.time)

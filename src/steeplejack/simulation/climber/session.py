@@ -65,7 +65,8 @@ class ClimbSession:
         if not self.plan.phases:
             raise InputError("plan", "no phases", "a plan that moves the robot")
         first = self.plan.phases[0]
-        start = Start(lower_frame(self.run, first, pad_row(self.robot)), np.array(first.start), radii(self.run, first))
+        under = radii(self.run, first, 0.5 * self.robot.build.jaw_length)
+        start = Start(lower_frame(self.run, first, pad_row(self.robot)), np.array(first.start), under)
         gravity = np.array(self.run.gravity)
         errors = SensorErrors.drawn(np.random.default_rng(self.seed)) if self.seed is not None else None
         solids = solids_of(self.run)
