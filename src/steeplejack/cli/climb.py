@@ -53,9 +53,10 @@ def climb(
     say(f"{run.name}: {run.description}")
     with bar("plan", None):
         plan = plan_climb(run, machine, payload_kg, _after_a_while())
-    say(f"{plan.steps} steps, {plan.reached_m:.3f} m, {plan.duration:.0f} s planned for {_about(machine, friction)}")
     if not plan.complete:
         raise InfeasibleError(f"climbing {run.name} to its goal", plan.blocked or "the goal is out of reach")
+    where = f"to {plan.reached_m:.3f} m along the pipe"
+    say(f"{plan.steps} steps {where}, {plan.duration:.0f} s planned for {_about(machine, friction)}")
     session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction), payload_kg)
     end, answer = _climbed(session, pictures, video, out)
     emit(answer) if json else show_summary(answer)
@@ -121,12 +122,13 @@ def _climbed(session: ClimbSession, pictures: bool, video: bool, out: Path) -> t
 
 def show_summary(answer: dict[str, Any]) -> None:
     """Print the answer of ``climb`` for a person."""
+    left = answer["min_friction_margin"]
     rows = {
         "climbed": f"{answer['distance_m']:.3f} m in {answer['steps']} steps",
         "duration": f"{answer['duration_s']:.1f} s, {answer['mean_speed_mm_s']:.2f} mm/s on average",
         "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
         "least transmission": f"{answer['min_transmission']:.3f}",
-        "least friction left": f"{answer['min_friction_margin'] or 0.0:.3f}",
+        "least friction left": "not measured" if left is None else f"{left:.3f}",
         "collisions": answer["collisions"],
         "log": answer["log"],
         "report": answer["report"],

@@ -10,12 +10,12 @@ import typer
 
 from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber.layout import LARGEST, LEAST, Layout
-from steeplejack.robots.pipe_climber.parameters import Convention, Neutral, PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.parameters import SHIPPED, Convention, Neutral, PipeClimber, load_pipe_climber
 
 Lengths = tuple[float, float, float, float]
 Pose = tuple[float, float, float]
 
-ClimberRobot = Annotated[str, typer.Option("--robot", help="pipe-climber or a TOML robot file.")]
+ClimberRobot = Annotated[str, typer.Option("--robot", help=f"{', '.join(SHIPPED)} or a TOML robot file.")]
 ClimberConvention = Annotated[
     Convention | None,
     typer.Option("--convention", help="Where B2 and B3 sit (Table II or Eq. 5-9); by default as in the robot file."),

@@ -47,12 +47,12 @@ def _numbers(value: object) -> list[float]:
     return [one for one in entries if isinstance(one, float)]
 
 
-def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Machine]) -> Machine:
-    """Read a machine from its built-in name or a TOML file.
+def load_machine(robot: str | Path, shipped: tuple[str, ...], package: str, kind: type[Machine]) -> Machine:
+    """Read a machine from a built-in name or a TOML file.
 
     Args:
-        robot: The built-in name or the path of a TOML file of the same form.
-        built_in: That name; the file beside the machine's code is called the same, with underscores.
+        robot: A built-in name or the path of a TOML file of the same form.
+        shipped: Those names; files beside the machine's code are called the same, with underscores.
         package: Where that file lies.
         kind: What to decode it as.
 
@@ -62,9 +62,9 @@ def load_machine(robot: str | Path, built_in: str, package: str, kind: type[Mach
     Raises:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
-    file = built_in.replace("-", "_") + ".toml"
-    if str(robot) == built_in:
+    file = (str(robot) if str(robot) in shipped else shipped[0]).replace("-", "_") + ".toml"
+    if str(robot) in shipped:
         text = files(package).joinpath(file).read_bytes()
     else:
-        text = read_source(robot, f"a TOML robot file or {built_in}")
+        text = read_source(robot, f"a TOML robot file or {' or '.join(shipped)}")
     return decode_toml(text, kind, str(robot), f"see the built-in {file} for every field")

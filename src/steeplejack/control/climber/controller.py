@@ -22,6 +22,7 @@ GAIN = 25.0  # [1/s] of the lengths
 TURN_GAIN = 8.0  # [1/s] of the linkage, whose servo counts coarsely
 YIELD = 4e-4  # [m/s/N] of a cylinder between two closed grippers
 HELD = 0.9  # share of its force with which a gripper counts as closed [1]; the sensor may be 5 % off
+LOOSE = 0.2  # share of its force above which a gripper does not count as open [1]
 SLIP = 5e-4  # [m] the pipe may pass through a closed gripper: pads give, and take up load, by less
 LAG = 5e-3  # [m] a cylinder may lag behind
 
@@ -114,6 +115,7 @@ class ClimberController:
             turn = reference.beta_rate + min(TURN_GAIN, 0.5 / dt) * (reference.beta - measured.beta)
         lag, turn_lag = float(np.abs(error).max()), abs(reference.beta - measured.beta)
         apart = measured.jaws >= opening - 0.2 * self._robot.build.jaw_clearance
+        apart &= measured.grip <= LOOSE * self._robot.gripper.force
         lost = lag > LAG and not giving
         status = Status(after.held, slip, slip > SLIP, apart, lag, turn_lag, burden, lost, True)
         return after, Command(speeds, turn, reference.closed, opening), status

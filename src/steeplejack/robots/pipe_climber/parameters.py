@@ -137,5 +137,4 @@ def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
     Raises:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
-    name = str(robot) if str(robot) in SHIPPED else BUILT_IN
-    return load_machine(robot, name, "steeplejack.robots.pipe_climber", PipeClimber)
+    return load_machine(robot, SHIPPED, "steeplejack.robots.pipe_climber", PipeClimber)

@@ -165,4 +165,4 @@ def load_squad(robot: str | Path = BUILT_IN) -> Squad:
     Raises:
         InputError: No such robot or file, or a field that cannot be used; the message names it.
     """
-    return load_machine(robot, BUILT_IN, "steeplejack.robots.squad", Squad)
+    return load_machine(robot, (BUILT_IN,), "steeplejack.robots.squad", Squad)
