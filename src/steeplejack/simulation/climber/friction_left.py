@@ -20,6 +20,7 @@ from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, LAST, grip_body, g
 from steeplejack.simulation.climber.truth import Truth
 from steeplejack.worksite.pipe_run import PipeRun
 
+THIN = 0.1  # [1] by how much thinner than the thinnest pipe jaws may close and still press on one: at its very end
 SAME = 1e-4  # [m] radii of pipe that share one body
 
 
@@ -62,15 +63,16 @@ class FrictionLeft:
             rows: Of pads that rest on it, as `robots.pipe_climber.pads` counts them.
 
         Returns:
-            (2,), 1 where nothing is asked of a gripper, 0 at the limit, NaN where it does not press [1].
+            (2,), 1 where nothing is asked of a gripper, 0 at the limit, NaN where it does not press on a pipe that it is
+            made for [1].
         """
         left = np.full(2, np.nan)
         for end in range(2):
-            if truth.press[end] <= 0.0:
+            radius, robot = float(radii[end]), self._robots[end]
+            if truth.press[end] <= 0.0 or radius < 0.5 * (1.0 - THIN) * robot.gripper.pipe_diameter[0]:
                 continue
-            radius = float(radii[end])
             use = float(grip_use(self._body(end, radius, rows[end]), -truth.wrench[end]))
-            left[end] = 1.0 - use * declared_press(self._robots[end], radius) / truth.press[end]
+            left[end] = 1.0 - use * declared_press(robot, radius) / truth.press[end]
         return left
 
     def _body(self, end: int, radius: float, rows: int) -> Array:

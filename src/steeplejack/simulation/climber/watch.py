@@ -15,7 +15,7 @@ from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
-from steeplejack.simulation.climber.friction_left import FrictionLeft, declared_press, resting_rows
+from steeplejack.simulation.climber.friction_left import FrictionLeft, resting_rows
 from steeplejack.simulation.climber.pipe import frame_at
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
@@ -53,9 +53,11 @@ class Watch:
     def hanging(self) -> bool:
         """Whether both grippers pressed on their pipes and stood still at the last sample."""
         robot, truth = self._plant.robot, self._plant.truth()
-        radii = pipe_radius(robot, self._plant.measure().jaws)
-        pressed = truth.press >= PRESSED * np.array([declared_press(robot, float(radius)) for radius in radii])
-        return bool(self._speed < STILL and np.all(pressed))
+        places = self._plant.measure().jaws
+        # Of their force what acts along the jaws' way where they stand; jaws that met nothing stand anywhere.
+        share = places / np.hypot(places, 0.5 * robot.build.jaw_width)
+        pressed = truth.press >= PRESSED * robot.gripper.jaws * robot.gripper.force * share
+        return bool(self._speed < STILL and np.all(pressed & (truth.press > 0.0)))
 
     def note(self, at: float, text: str, kind: str) -> None:
         """Write down that something happened."""
