@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from importlib.resources import files
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 from scipy.optimize import linprog
 
 from steeplejack.errors import InputError
-from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
+from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, pad_clock, pad_row
 from steeplejack.robots.pipe_climber.statics import friction_needed
@@ -76,6 +78,44 @@ def test_loads_are_the_weight_at_the_middle_of_mass(rng: np.random.Generator):
         np.testing.assert_allclose(turn @ loads[k, 1, 3:], mass * gravity[k], atol=1e-12)
         about = np.cross(moment[k] / mass - place, mass * gravity[k])
         np.testing.assert_allclose(turn @ loads[k, 1, :3], about, atol=1e-12)
+
+
+def rubbing(friction: float) -> PipeClimber:
+    return msgspec.structs.replace(ROBOT, gripper=msgspec.structs.replace(ROBOT.gripper, friction=friction))
+
+
+@pytest.mark.parametrize(("radius", "most"), [(0.025, 1.7321), (0.030, 2.1082)])
+def test_friction_at_which_pads_jam_is_cot_phi(radius: float, most: float):
+    jams = ROBOT.build.jamming_friction(radius)
+    assert jams == pytest.approx(1.0 / math.tan(pad_clock(ROBOT, radius)), rel=1e-12)
+    assert jams == pytest.approx(most, abs=1e-4)
+
+
+def test_friction_short_of_jamming_holds_the_more_the_more_there_is():
+    load = [0.1, 0.1, 0.1, 2.0, 2.0, 10.0]
+    frictions = np.append(np.linspace(0.1, 1.7, 9), 1.732)
+    uses = [float(grip_use(grip_body(rubbing(mu), 0.025), load)) for mu in frictions]
+    assert (np.diff(uses) < 0.0).all() and uses[-1] > 0.0
+
+
+def test_friction_with_which_pads_jam_is_refused(tmp_path: Path):
+    valid = "below 1.732, where pads jam on a pipe of 50 mm"
+    with pytest.raises(InputError, match=f"^`gripper.friction`: 1.74; {valid}$"):
+        rubbing(1.74)
+    thin = 0.020  # thinner than what the grippers are for
+    with pytest.raises(InputError, match="^friction: 1.5; below 1.333, where pads jam on a pipe of 40 mm$"):
+        grip_body(rubbing(1.5), thin)
+    shipped = files("steeplejack.robots.pipe_climber").joinpath("pipe_climber.toml").read_text()
+    for was, now, said in (
+        ("friction = 0.3 ", "friction = 1.8 ", valid),
+        ("pipe_diameter = [0.050,", "pipe_diameter = [0.019,", "from 0.019 m; above 0.02 m"),
+    ):
+        assert was in shipped
+        file = tmp_path / "robot.toml"
+        file.write_text(shipped.replace(was, now))
+        with pytest.raises(InputError, match=f"{file.name}, `gripper.*{said}") as refused:
+            load_pipe_climber(file)
+        assert "\n" not in str(refused.value)
 
 
 def test_bad_input_is_refused_or_not_a_number():

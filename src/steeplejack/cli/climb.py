@@ -46,7 +46,7 @@ def climb(
     from steeplejack.simulation.climber.session import ClimbSession
 
     run, machine = load_pipe(pipe), _rubbing(load_pipe_climber(robot), mu)
-    friction = _friction("--mu-in-physics", mu_in_physics, machine.gripper.friction)
+    friction = _friction("--mu-in-physics", mu_in_physics, machine)
     if not 0.0 <= payload_kg < math.inf:
         raise InputError("--payload-kg", f"{payload_kg:g}", "a finite mass of at least 0")
     target(out)
@@ -65,18 +65,20 @@ def climb(
         raise Ended(f"the climb ended early, {how}: {end.why}; log and report are complete to there")
 
 
-def _friction(option: str, asked: float | None, declared: float) -> float:
+def _friction(option: str, asked: float | None, machine: PipeClimber) -> float:
     """The coefficient, as asked for or else as declared."""
-    friction = declared if asked is None else asked
-    if not 0.0 < friction <= 2.0:
-        raise InputError(option, f"{friction:g}", "above 0, up to 2")
+    friction, thinnest = machine.gripper.friction if asked is None else asked, machine.gripper.pipe_diameter[0]
+    most = machine.build.jamming_friction(0.5 * thinnest)
+    if not 0.0 < friction < most:
+        valid = f"above 0, below {most:.4g}, where pads jam on a pipe of {1e3 * thinnest:g} mm"
+        raise InputError(option, f"{friction:g}", valid)
     return friction
 
 
 def _rubbing(machine: PipeClimber, mu: float | None) -> PipeClimber:
     """The machine with pads of a friction, if one is asked for."""
     gripper = machine.gripper
-    friction = _friction("--mu", mu, gripper.friction)
+    friction = _friction("--mu", mu, machine)
     return msgspec.structs.replace(machine, gripper=msgspec.structs.replace(gripper, friction=friction))
 
 

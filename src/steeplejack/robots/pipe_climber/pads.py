@@ -16,6 +16,9 @@ takes is the body's gauge
 u <= 1 is the limit theorem of static friction (as of grasps: Han, Trinkle and Li, IEEE Trans. Robotics 16, 2000): no
 distribution of pad forces holds a load with u > 1. For a force along the pipe through its axis u is the ratio of
 needed to available friction of `statics.friction_needed`.
+
+All of it wants ``s_g f_g . x > 0``, which is ``mu < cot phi``: with more friction the pads of a jaw jam
+(`parameters.Build.jamming_friction`).
 """
 
 from __future__ import annotations
@@ -57,7 +60,7 @@ def pad_clock(robot: PipeClimber, radius: float) -> float:
     """
     reach, half = radius + robot.build.pad_radius, 0.5 * robot.build.jaw_width
     if not reach > half:
-        raise InputError("pipe radius", f"{radius:g} m", f"above {half - robot.build.pad_radius:g} m")
+        raise InputError("pipe radius", f"{radius:g} m", f"above {robot.build.least_radius:g} m")
     return math.asin(half / reach)
 
 
@@ -72,8 +75,15 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH) -> Array:
 
     Returns:
         (pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
+
+    Raises:
+        InputError: A pipe too thin for the pads of a jaw, or one so thin that they jam with this friction.
     """
     phi, row, friction = pad_clock(robot, radius), pad_row(robot), robot.gripper.friction
+    most = robot.build.jamming_friction(radius)
+    if not friction < most:
+        valid = f"below {most:.4g}, where pads jam on a pipe of {2e3 * radius:g} mm"
+        raise InputError("friction", f"{friction:g}", valid)
     edge = 2.0 * math.pi * np.arange(EDGES) / EDGES
     ends = {BOTH: (1.0, -1.0), FIRST: (-1.0,), LAST: (1.0,)}[rows]
     points = np.empty((4 * len(ends), EDGES, 6))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
 
+from steeplejack.errors import InputError
 from steeplejack.robots.sourced import NonNegative, Positive, Sourced, Vector, Window, load_machine
 
 Convention = Literal["text", "equations"]
@@ -99,6 +101,23 @@ class Build(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     angle_step: Positive
     slip_step: Positive
 
+    @property
+    def least_radius(self) -> float:
+        """Radius of the pipe that would slip between the pads of one jaw [m]."""
+        return 0.5 * self.jaw_width - self.pad_radius
+
+    def jamming_friction(self, radius: float) -> float:
+        """Friction at which the pads of one jaw wedge on a pipe, ``cot phi`` [1]; phi as `pads.pad_clock` gives it.
+
+        From there on a pad's friction alone may push its jaw away, pads press one another without bound whatever the
+        drive does, and there is no set of wrenches that a grip can give.
+
+        Args:
+            radius: Of the pipe, above `least_radius` [m].
+        """
+        reach, half = radius + self.pad_radius, 0.5 * self.jaw_width
+        return math.sqrt((reach - half) * (reach + half)) / half
+
 
 class Gait(Sourced, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What a climb asks for beyond the mechanism: how fast moves begin, and what open and closed grippers pass over."""
@@ -123,6 +142,16 @@ class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     body: Body
     gait: Gait
     build: Build
+
+    def __post_init__(self) -> None:
+        """Refuse grippers for pipes that slip between the pads of a jaw, and friction that makes pads jam."""
+        thinnest, least = self.gripper.pipe_diameter[0], 2.0 * self.build.least_radius
+        if not thinnest > least:
+            raise InputError("`gripper.pipe_diameter`", f"from {thinnest:g} m", f"above {least:g} m")
+        most = self.build.jamming_friction(0.5 * thinnest)
+        if not self.gripper.friction < most:
+            valid = f"below {most:.4g}, where pads jam on a pipe of {1e3 * thinnest:g} mm"
+            raise InputError("`gripper.friction`", f"{self.gripper.friction:g}", valid)
 
 
 def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
