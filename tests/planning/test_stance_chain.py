@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import pytest
 
 from steeplejack.planning.cell import Candidate
 from steeplejack.planning.chain import Planned, best_chain
-from steeplejack.planning.outlook import Limits, Step
+from steeplejack.planning.outlook import Limits, Outlook, Step, as_bits
 from steeplejack.robots.squad.anchorage import Stance
 
 STATIONS = 7
@@ -69,9 +69,9 @@ def cost(chain: Planned[tuple[Step, ...]]) -> tuple[int, float, float]:
 
 
 def chains(
-    given: Problem, outcome_of: Callable[[tuple[Step, ...]], Outcome | None]
+    given: Problem, outcome_of: Callable[[tuple[Step, ...]], Outcome | None], least: int = 1
 ) -> Iterator[tuple[int, float, float]]:
-    """Costs of all chains: at most two stances of a cell, every one adding something."""
+    """Costs of all chains: at most two stances of a cell, every one adding at least that much, or all that is left."""
     pools, wanted, _truth = given
     whole = sum(int(flags.sum()) for flags in wanted)
 
@@ -91,7 +91,7 @@ def chains(
                 if k in mine or len(mine) == FREE.per_cell:
                     continue
                 outcome = outcome_of((*steps, (c, k)))
-                if outcome is None or not (rest & outcome[0]).any():
+                if outcome is None or (rest & outcome[0]).sum() < max(1, min(least, rest.sum())):
                     continue
                 way = 0.0
                 if steps:
@@ -126,11 +126,21 @@ def by_prefix(given: Problem, seed: int) -> Callable[[tuple[Step, ...]], Outcome
     return outcome
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(40), 88, 137])
 def test_finds_the_best_of_all_chains(seed: int) -> None:
+    """At seeds 88 and 137 a stance of the best adds nothing unless one before it sees less than foreseen."""
     given = problem(np.random.default_rng(seed))
     found, _asked = solved(given)
     assert cost(found) == min(chains(given, by_edge(given)))
+
+
+@pytest.mark.parametrize("seed", [*range(30), 47, 89])
+def test_finds_the_best_of_stances_that_add_enough(seed: int) -> None:
+    """Or a better one, whose stances were to add enough and did not."""
+    given = problem(np.random.default_rng(seed))
+    found, _asked = solved(given, Limits(2, 2, 10_000))
+    truth = by_edge(given)
+    assert min(chains(given, truth)) <= cost(found) <= min(chains(given, truth, least=2))
 
 
 def test_what_is_foreseen_is_planned_once(rng: np.random.Generator) -> None:
@@ -181,14 +191,39 @@ def test_same_chain_every_time() -> None:
     assert first[1] == second[1]
 
 
-def test_a_stance_that_adds_too_little_is_not_taken(rng: np.random.Generator) -> None:
-    pools, wanted, truth = problem(rng, cells=1, surprise=0.0)
-    found, _asked = solved((pools, wanted, truth), Limits(3, 3, 100))
-    left = wanted[0]
-    for cell, k in found.steps:
-        gained = left & pools[cell][k].held
-        assert gained.sum() >= min(3, left.sum())
-        left = left & ~gained
+def candidate(stations: Iterable[int], margin: float = 0.2) -> Candidate:
+    """One that holds these stations of a cell."""
+    return Candidate(Stance((0.0,) * 4, (0.0,) * 4), np.isin(np.arange(STATIONS), list(stations)), margin)
+
+
+def test_a_stance_that_adds_too_little_is_not_taken() -> None:
+    """Two stations are too few where three are left, and enough where they are all that is left."""
+    most, rest = candidate(range(4)), candidate(range(2, 6))
+    for wanted, taken in ((range(7), 1), (range(6), 2)):
+        flags = np.isin(np.arange(STATIONS), list(wanted))
+        truth = {(now, (0, k)): (one.held, 0.2) for now in (None, (0, 0), (0, 1)) for k, one in enumerate((most, rest))}
+        found, _asked = solved(([[most, rest]], [flags], truth), Limits(3, 3, 100))
+        assert len(found.steps) == taken
+
+
+def test_where_moves_run_out_what_holds_most_of_what_can_be_reached_is_taken() -> None:
+    """The one move that may be planned comes to nothing."""
+    whole, most, some = candidate(range(7)), candidate(range(6)), candidate(range(5))
+    truth = {(None, (0, 0)): None, (None, (0, 1)): (some.held, 0.2), (None, (0, 2)): (most.held, 0.2)}
+    found, asked = solved(([[whole, some, most]], [np.ones(STATIONS, bool)], truth), Limits(2, 1, 1))
+    assert asked == [((0, 0),), ((0, 2),)]
+    assert cost(found) == (1, -0.2, 0.0)
+
+
+def test_costs_rise_with_what_is_learned() -> None:
+    """Less is seen, then with less margin, then nothing."""
+    wanted = np.ones(STATIONS, bool)
+    outlook = Outlook([[candidate(range(7))]], [wanted], FREE)
+    node, some = (0, as_bits(wanted), None, 0), as_bits(np.arange(STATIONS) < 4)
+    assert outlook.at_best(node, 1.0) == (0, 0.2, 0.0)
+    for outcome, best in (((some, 0.2), (3, 0.2, 0.0)), ((some, 0.1), (3, 0.1, 0.0)), (None, (7, 1.0, 0.0))):
+        outlook.learn(None, (0, 0), outcome)
+        assert outlook.at_best(node, 1.0) == best
 
 
 def test_empty_pools_leave_everything(rng: np.random.Generator) -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from steeplejack.planning import Rules, Scene
+from steeplejack.planning import Rules, Scene, inspection
 from steeplejack.planning.cell import AMPLE, Candidate, Cell, Judge, worth
 from steeplejack.planning.certificate import hold
 from steeplejack.planning.lattice import Lattice, visible_levels
 from steeplejack.planning.pool import pools
-from steeplejack.planning.stances import find
+from steeplejack.planning.stances import find, why_not
 from steeplejack.robots.squad import Bay, Squad
 from steeplejack.robots.squad.anchorage import Stance, admissible, exits
 from steeplejack.worksite import Bridge
@@ -121,3 +122,18 @@ def test_nothing_wanted_has_no_candidates(sites: list[Site]) -> None:
     nothing = replace(cell, wanted=np.zeros_like(cell.wanted))
     assert pools([(scene, nothing, lattice)], lambda _share: None) == [()]
     assert find(scene, nothing, lattice) is None
+
+
+def test_what_stays_uncovered_is_told_limit_by_limit(sites: list[Site]) -> None:
+    """Every station lies in a stretch that names what binds there, and neighbours share one where that is the same."""
+    scene, cell, lattice = sites[0]
+    tight = replace(scene, rules=replace(scene.rules, tension=(20.0, 60.0)))  # too weak for any of it
+    told = inspection._reasons(tight, cell, lattice)
+    names = np.array([stretch.why for stretch in told])
+    assert 1 < len(told) < len(lattice.s)
+    assert np.all(names[1:] != names[:-1])
+    assert (told[0].from_m, told[-1].to_m) == (cell.low, cell.high)
+    assert all(one.to_m == pytest.approx(other.from_m) for one, other in itertools.pairwise(told))
+    for j, s in enumerate(lattice.s):
+        here = next(stretch.why for stretch in told if stretch.from_m <= s <= stretch.to_m)
+        assert [here] == why_not(tight, cell, lattice, 0, [j])

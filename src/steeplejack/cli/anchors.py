@@ -6,7 +6,8 @@ import csv
 import io
 import math
 import time
-from contextlib import nullcontext
+from collections.abc import Generator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -73,10 +74,11 @@ def anchors(
     if out is not None:
         target(out)
     began = time.perf_counter()
-    if step is not None:
-        first_grid(problem, step, ends=False)  # says at once that a grid is too fine
-    with bar("searching", None) if travel_price is not None or duty.mass is not None else nullcontext():
-        found, bound = _solve(problem, duty, step, travel_price)
+    with _options_named():
+        if step is not None:
+            first_grid(problem, step, ends=False)  # says at once that a grid is too fine
+        with bar("searching", None) if travel_price is not None or duty.mass is not None else nullcontext():
+            found, bound = _solve(problem, duty, step, travel_price)
     answer = _answer(problem, found, bound, duty) | {"seconds": time.perf_counter() - began}
     if not found.held.any():
         answer["binding"] = _binding(problem, duty)
@@ -86,6 +88,20 @@ def anchors(
     if not found.held.any():
         say(f"no pose of the path is held by any places inside the windows: {answer['binding']}")
         raise typer.Exit(INFEASIBLE)
+
+
+@contextmanager
+def _options_named() -> Generator[None]:
+    """Names the option in an error about what it says."""
+    named = {"step": "--step-m", "window": "--window-m", "travel price": "--travel-price"}
+    try:
+        yield
+    except InputError as error:
+        option = next((name for text, name in named.items() if error.where.startswith(text)), None)
+        if option is None:
+            raise
+        about = error.where.partition(" of ")[2]
+        raise InputError(option, f"{about}, {error.what}" if about else error.what, error.valid) from error
 
 
 def _movable(text: str) -> list[int]:

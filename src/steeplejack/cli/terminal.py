@@ -130,12 +130,20 @@ def mass(option: str, value: float) -> float:
 
 
 def target(folder: Path, option: str = "--out") -> None:
-    """Refuse an output folder that is, or lies below, a file or that cannot be written to; creates nothing."""
-    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    """Refuse an output folder that is, or lies below, a file, or that cannot be made or written to; leaves nothing."""
+    paths = folder, *folder.absolute().parents
+    level = next(k for k, path in enumerate(paths) if path.exists())
+    there = paths[level]
     if not there.is_dir():
         raise InputError(option, f"{there} is a file", "a folder, made where it does not exist yet")
     if not os.access(there, os.W_OK | os.X_OK):
         raise InputError(option, f"{there} cannot be written to", "a folder you may write to")
+    if level > 0:
+        try:  # rights do not tell: nobody makes folders in /proc
+            paths[level - 1].mkdir()
+            paths[level - 1].rmdir()
+        except OSError as error:
+            raise InputError(option, f"{paths[level - 1]}: {error.strerror}", "a folder that can be made") from error
 
 
 @contextmanager

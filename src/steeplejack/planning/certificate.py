@@ -277,11 +277,17 @@ def hold(scene: Scene, anchors: Array, pull: Array, places: Array, target: Array
 
 
 def meets(scene: Scene, quality: Array, hair: float = 0.0) -> NDArray[np.bool_]:
-    """Whether each row of :func:`certify`'s quality meets every limit, give or take a ``hair`` [N or m]."""
+    """Whether each row of :func:`certify`'s quality meets every limit, those of room and lengths but for a ``hair``.
+
+    Args:
+        scene: The machine and the rules.
+        quality: Of n places (n, 6).
+        hair: By which room [N], gaps and cable lengths [m] may miss; stability and dexterity may not.
+    """
     good = (quality[:, 0] >= -hair) & (quality[:, 1] > 0.0)
     good &= quality[:, 2] >= scene.rules.cable_clearance - hair
     good &= quality[:, 3] >= scene.squad.platform.clearance - hair
-    good &= quality[:, 5] >= scene.rules.dexterity - hair
+    good &= quality[:, 5] >= scene.rules.dexterity
     return good & (quality[:, 4] <= scene.squad.winch.stored_length + hair)
 
 

@@ -4,18 +4,20 @@ A chain visits stances of the cells in order, several of one cell where one does
 holds is known beforehand; what the squad can do there, and whether it gets there, only after its move has been planned,
 which is dear. So the best chain is found with every move not yet planned taken to come to what is foreseen, its first
 such move is planned, what came of it is kept, and so on until the best chain is planned throughout (lazy shortest path:
-Dellin and Srinivasa, ICAPS 2016). Objective, in this order: stations missed, least slip margin in steps of 0.01,
-metres driven.
+Dellin and Srinivasa, ICAPS 2016). Objective, in this order: stations missed, least slip margin of the stances
+in steps of 0.01, metres driven.
 
 What a move between two stances came to is taken to be the same wherever the platform starts from, until it is planned
-from there; one that failed is not planned again. (Tried from every other start, too, failed moves gained nothing: on
-four of five stretches of four bridges the chain was the same, on the fifth, with 26 failures instead of 10, the moves
-to its cells were used up and the margin fell from 0.108 to 0.100.) So the answer is the best of these candidates as far
-as that holds.
+from there; one that failed is not planned again, for what fails from one start mostly fails from all, and the moves to
+a cell would be used up. So the answer is the best of these candidates as far as that holds.
+
+A stance counts with the worst station it holds, even where another stance shows that station and it is not flown from
+this one: its margin is no better than foreseen, so that what is learned never makes a chain cheaper. The margin of what
+is flown may be larger than the one that chains were compared by.
 
 No more than ``moves`` moves to a cell are planned, from whatever stance and start. Where they run out and stations are
 missed that could be held, the chain that takes in each cell the stance that holds most is planned as well, as far as it
-was not, and the better is taken: on one of nine stretches it saw seven stations more.
+was not, and the better is taken.
 """
 
 from __future__ import annotations

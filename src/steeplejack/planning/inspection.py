@@ -12,7 +12,7 @@ from steeplejack.errors import InfeasibleError
 from steeplejack.planning.cell import AMPLE, Cell
 from steeplejack.planning.certificate import Scene
 from steeplejack.planning.chain import Planned, best_chain
-from steeplejack.planning.lattice import Lattice, runs
+from steeplejack.planning.lattice import Lattice
 from steeplejack.planning.legs import driving, flight, four, joined, least_margin
 from steeplejack.planning.mission import FORMAT, Leg, Mission, Request, Uncovered
 from steeplejack.planning.moves import fly, squad_move
@@ -29,6 +29,7 @@ STANCES_PER_CELL = 3
 LEAST_GAIN = 1.0  # [m] of stay a further stance must add
 MOVES = 8  # moves to the stances of one cell that are planned before the best of them is taken
 POOLED = 0.6  # [1] share of the time of a plan that candidates take
+HELD = "held, but not by a stance the plan could take or reach, or over less than two stations"
 AROUND = 25.0  # [m] of stay beyond the outermost base that clearances are checked against
 
 
@@ -196,17 +197,15 @@ def _advance(
 
 
 def _reasons(scene: Scene, cell: Cell, lattice: Lattice) -> list[Uncovered]:
-    """Stretches of a cell that stay uncovered, with the limit that binds in the middle of each."""
+    """Stretches of a cell that stay uncovered, each about neighbouring stations at which the same limit binds."""
     half = 0.5 * _spacing(lattice)
     out: list[Uncovered] = []
     for row, k in enumerate(scene.bay.interior):
-        for first, last in runs(cell.wanted[row], np.zeros(len(lattice.s), bool)):
-            why = why_not(scene, cell, lattice, row, (first + last) // 2)
-            if why == "none":
-                why = "held, but not by a stance the plan could take or reach, or over less than two stations"
-            low, high = max(cell.low, lattice.s[first] - half), min(cell.high, lattice.s[last] + half)
-            out.append(Uncovered(scene.bay.stays[k].id, float(low), float(high), why))
-    return out
+        stations = np.flatnonzero(cell.wanted[row])
+        for j, why in zip(stations, why_not(scene, cell, lattice, row, stations), strict=True):
+            low, high = max(cell.low, lattice.s[j] - half), min(cell.high, lattice.s[j] + half)
+            out.append(Uncovered(scene.bay.stays[k].id, float(low), float(high), HELD if why == "none" else why))
+    return _merged(out)
 
 
 def _merged(stretches: list[Uncovered]) -> list[Uncovered]:

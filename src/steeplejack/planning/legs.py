@@ -11,16 +11,15 @@ from steeplejack.planning.certificate import Scene, hold, meets, slip_margin
 from steeplejack.planning.mission import Leg, Waypoint
 from steeplejack.planning.moves import Drive
 from steeplejack.robots.squad.anchorage import Stance
-from steeplejack.spatial import from_quaternion, to_quaternion
+from steeplejack.spatial import from_quaternion, to_quaternion, to_vector
 
 Array = NDArray[np.float64]
 
 BRACED = 0.5  # [N] of jump in a planned tension above which a brace is inserted
+TURNED = np.deg2rad(1.0)  # [rad] of jump in the planned orientation above which two legs do not join, estimate
 BRACE_SAMPLE = 5.0  # [N] between the equilibria of a brace
 BRACE_SPEED = 20.0  # [N/s] and [N/s2], estimate: a tenth of the winch's pull a second
-ROUNDING = (
-    1e-3  # [m or N] by which a waypoint may miss what was certified: tensions and angles are rounded in a mission
-)
+HAIR = 1e-3  # [m or N] by which a waypoint may miss a limit that was met when the place was first certified
 TURNING = 0.7  # [1] share of a base's turning rate that a plan uses
 
 
@@ -56,7 +55,10 @@ def driving(scene: Scene, drive: Drive, number: int) -> Leg | None:
 
 
 def joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
-    """The legs with a brace wherever the planned tensions would jump; None where a brace is not certified."""
+    """The legs with a brace wherever the planned tensions would jump.
+
+    None where a brace is not certified, or where the platform would turn at once: its ends are two equilibria then.
+    """
     out: list[Leg] = list(legs[:1])
     for leg in legs[1:]:
         before, after = out[-1].waypoints[-1], leg.waypoints[0]
@@ -66,8 +68,16 @@ def joined(scene: Scene, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
             if brace is None:
                 return None
             out.append(brace)
+        elif _turn(before, after) > TURNED:
+            return None
         out.append(leg)
     return tuple(out)
+
+
+def _turn(one: Waypoint, other: Waypoint) -> float:
+    """Angle between two orientations [rad]."""
+    a, b = (from_quaternion(np.array(each.quaternion)) for each in (one, other))
+    return float(np.linalg.norm(to_vector(a.T @ b)))
 
 
 def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, number: int) -> Leg | None:
@@ -87,7 +97,8 @@ def _brace(scene: Scene, before: Waypoint, after: Waypoint, change: Array, numbe
     if waypoints is None:
         return None
     missed = np.subtract([waypoints[0].tension_n, waypoints[-1].tension_n], [before.tension_n, after.tension_n])
-    if float(np.max(np.abs(missed))) > BRACED:
+    turned = max(_turn(waypoints[0], before), _turn(waypoints[-1], after))
+    if float(np.max(np.abs(missed))) > BRACED or turned > TURNED:
         return None
     return Leg("brace", number, None, None, BRACE_SPEED, BRACE_SPEED, waypoints)
 
@@ -103,9 +114,12 @@ def _waypoints(
     clock: Array,
     target: Array | None = None,
 ) -> tuple[Waypoint, ...] | None:
-    """Places as they are written to a mission; None where one turns at once or misses a limit by more than rounding."""
+    """Places as they are written to a mission; None where one turns at once or misses a limit by more than a hair.
+
+    A place was certified before among others, so from another guess, or was rounded when an earlier leg was written.
+    """
     held = hold(scene, anchors, pull, places, target)
-    if not (meets(scene, held.quality, ROUNDING) & held.steady).all():
+    if not (meets(scene, held.quality, HAIR) & held.steady).all():
         return None
     return tuple(
         Waypoint(

@@ -2,7 +2,8 @@
 
 While one base drives, the platform is parked at a place certified for the whole drive: the cable of the base under way
 stays taut within the driving limit, the other three are gripped and within theirs. Between two drives the platform may
-fly to another park. The order of the bases and the parks are found by depth-first search.
+fly to another park. The order of the bases is found by depth-first search; for each drive the first park that can be
+reached is taken, and no other tried where the search fails beyond it.
 """
 
 from __future__ import annotations

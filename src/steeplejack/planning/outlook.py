@@ -1,11 +1,12 @@
 """What a chain of stances can still come to, by what is known of the moves between them.
 
 Shortest path on an acyclic graph whose nodes say which cell is worked, what is left to see of it, on what stance the
-squad stands and how many stances it took there. Moves not planned yet count as foreseen, so costs are lower bounds,
-and as more is learned they only rise. Hence a least cost found earlier is still the least as long as the way it was
-found by costs the same, and only ways that became dearer are searched again. What remains grows with cells times moves
-planned: 3, 17 and 75 s for 40, 80 and 160 cells of seven stances at random, whose 117, 383 and 809 moves take about a
-second each to plan (loaded machine); a stay of 550 m has 46 cells.
+squad stands and how many stances it took there. Moves not planned yet count as foreseen, which is the most they can
+come to. What is left beyond the first such move is therefore the least that can be: a stance that would add too little
+to it may add enough to what is left in the end, and is allowed for. So where a move comes to the same wherever the
+chain before it began, costs are lower bounds, and as more is learned they only rise. Hence a least cost found earlier
+is still the least as long as the way it was found by costs the same, and only ways that became dearer are searched
+again.
 """
 
 from __future__ import annotations
@@ -101,18 +102,23 @@ class Outlook:
             self._driven[last, step] = sum(abs(a - b) for a, b in zip(here, there, strict=True))
         return self._driven[last, step]
 
-    def moves(self, node: Node) -> Iterator[Way]:
-        """Moves to stances of a node's cell that add enough."""
+    def moves(self, node: Node, sure: bool = True) -> Iterator[Way]:
+        """Moves to stances of a node's cell that add enough, or may where what is left there is not ``sure``."""
         cell, left, last, used = node
-        if used >= self._limits.per_cell or not left:
+        if used >= self._limits.per_cell:
             return
-        least = min(self._limits.least_gain, left.bit_count())
+        most = left if sure else self._wanted[cell]
         for k in range(len(self._pools[cell])):
             step = cell, k
             outcome = self.expected(last, step)
-            if step != last and outcome is not None and (outcome[0] & left).bit_count() >= least:
+            if step != last and outcome is not None and self._enough(outcome[0], left, most):
                 onward = cell, left & ~outcome[0], step, used + 1
                 yield Way(step, outcome, 0, self.driven(last, step), onward)
+
+    def _enough(self, held: int, least: int, most: int) -> bool:
+        """Whether a stance that holds these stations adds enough to some that lie between the least and the most."""
+        gain = (held & most).bit_count()
+        return gain >= max(1, self._limits.least_gain) or (gain > 0 and not least & ~held)
 
     def after(self, cell: int, last: Step | None) -> Node | None:
         """The node that a cell is left to; None after the last cell."""
@@ -161,7 +167,7 @@ class Outlook:
             if self._beyond(onward, level) == found.beyond:
                 found.checked = self._age
                 return []
-        ways = [self._leave(node), *(way for way in self.moves(node) if way.outcome and way.outcome[1] >= level)]
+        ways = [self._leave(node), *self._allowed(node, level)]
         stale = [way.onward for way in ways if way.onward is not None and not self._fresh(way.onward, level)]
         if not stale:
             self._found[node, level] = min((self._by(way, level) for way in ways), key=lambda each: each.rest)
@@ -170,6 +176,9 @@ class Outlook:
     def _leave(self, node: Node) -> Way:
         cell, left, last, _used = node
         return Way(None, None, left.bit_count(), 0.0, self.after(cell, last))
+
+    def _allowed(self, node: Node, level: float) -> Iterator[Way]:
+        return (way for way in self.moves(node, sure=False) if way.outcome and way.outcome[1] >= level)
 
     def _goes(self, way: Way, last: Step | None, level: float) -> bool:
         """Whether a way found earlier still is one."""

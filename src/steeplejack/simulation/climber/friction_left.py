@@ -63,8 +63,8 @@ class FrictionLeft:
             rows: Of pads that rest on it, as `robots.pipe_climber.pads` counts them.
 
         Returns:
-            (2,), 1 where nothing is asked of a gripper, 0 at the limit, NaN where it does not press on a pipe that it is
-            made for [1].
+            (2,), 1 where nothing is asked of a gripper, 0 at the limit, NaN where it presses on no pipe that it is made
+            for [1].
         """
         left = np.full(2, np.nan)
         for end in range(2):
