@@ -116,6 +116,11 @@ def test_a_load_nobody_holds_names_the_limit(steeplejack, folder, tensions, limi
         (["--path", "eq28", "--move", "1", "--window-m", "0.05", "--travel-price", "-1"], "--travel-price: -1"),
         (["--path", "eq28", "--move", "1", "--window-m", "0.05", "--objective", "slip-margin"], "no load"),
         (["--path", "eq28", "--move", "1", "--window-m", "0.05", "--mass-kg", "8"], "one without the other"),
+        (["--path", "eq28", "--move", "1", "--window-m", "1e9"], "--window-m: anchor 1"),
+        (
+            ["--path", "eq28", "--move", "1", "--window-m", "0.05", "--method", "algorithm-2", "--step-m", "1e-6"],
+            "--step-m: 1e-06 m",
+        ),
         (["--path", "nowhere.csv", "--move", "1", "--window-m", "0.05"], "nowhere.csv"),
         (["--path", "bad.csv", "--move", "1", "--window-m", "0.05"], "path bad.csv line 3 y_m: 'high'"),
         (["--path", "short.csv", "--move", "1", "--window-m", "0.05"], "no column phi_deg"),
