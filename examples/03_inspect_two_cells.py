@@ -1,4 +1,4 @@
-"""03 Plan, fly and report: twenty metres of one stay in two cells, with the squad's move between them."""
+"""03 Plan, fly and report: twelve metres of one stay in two cells, with the squad's move between them."""
 
 import tempfile
 from pathlib import Path
@@ -13,8 +13,8 @@ from steeplejack.worksite import Bridge, load_worksite
 
 bridge, squad = load_worksite("ecs620-like"), load_squad()
 assert isinstance(bridge, Bridge)
-bay, rules = Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad), Rules(tension=(20.0, 250.0))
-request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 50.0, "under", 0.0, rules.tension)
+bay, rules = Bay.of(bridge.fan("T1L-main"), 5, 7, "under", squad), Rules(tension=(20.0, 250.0), cell_length=6.0)
+request = Request(bridge.name, squad.name, "T1L-main", (5, 7), 30.0, 42.0, "under", 0.0, rules.tension)
 mission = plan(Scene.of(bay, squad, rules, np.array(bridge.gravity)), request, (), lambda done: None)
 print(f"{mission.stances} stances, {mission.moves} squad move, {len(mission.legs)} legs")
 with tempfile.TemporaryDirectory() as folder:
