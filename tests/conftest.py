@@ -20,9 +20,14 @@ SHARED = re.compile(r"tests/(control|planning|report|runtime|safety|simulation)/
 
 
 class Sharing(LoadFileScheduling):
-    """Files stay with one worker, and so do all of the squad: two workers at once would compile the same kernels."""
+    """Files stay with one worker, and so do all of the squad: two workers at once would compile the same kernels.
+
+    Examples are programs of their own. They come last, and either worker takes the next.
+    """
 
     def _split_scope(self, nodeid: str) -> str:
+        if nodeid.startswith("tests/test_examples.py"):
+            return nodeid
         return "squad" if SHARED.match(nodeid) else super()._split_scope(nodeid)
 
 
