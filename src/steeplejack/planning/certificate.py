@@ -183,10 +183,9 @@ def certify(
         own: Boundary stay of each base (4,).
 
     Returns:
-        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 6): room [N], -inf where nothing
-        balances, least pivot of the Hessian at
-        locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m], longest cable [m],
-        dexterity in the plane of the cables [1].
+        Rotations (n, 3, 3), tensions (n, 4) [N] and quality (n, 6): room [N], -inf where nothing balances, least pivot
+        of the Hessian at locked winches (its sign decides), gap of the cables [m], gap of the platform's centre [m],
+        longest cable [m], dexterity in the plane of the cables [1].
     """
     n = points.shape[0]
     rotations, tensions, quality = np.empty((n, 3, 3)), np.empty((n, 4)), np.empty((n, 6))
