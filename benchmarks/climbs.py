@@ -26,7 +26,7 @@ from steeplejack.robots.pipe_climber import BUILT_IN, Layout, PipeClimber, load_
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, pad_row
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.runtime.climb_record import EndRecord
-from steeplejack.simulation.climber.pipe import lower_frame, radii, solids_of
+from steeplejack.simulation.climber.pipe import lower_frame, resting, solids_of
 from steeplejack.simulation.climber.plant import ClimberPlant, Start
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.sensors import SensorErrors
@@ -81,7 +81,7 @@ def climb(
 ) -> Climb:
     """Run a plan in physics, the sensors' errors so many times their tolerances."""
     first = plan.phases[0]
-    under = radii(run, first, 0.5 * robot.build.jaw_length)
+    under, _rows = resting(run, first, robot)
     start = Start(lower_frame(run, first, pad_row(robot)), np.array(first.start), under)
     errors, layout = SensorErrors.drawn(np.random.default_rng(seed), times), Layout.of(robot)
     plant = ClimberPlant(robot, layout, solids_of(run), np.array(run.gravity), start, (mu, mu), load, errors)

@@ -16,10 +16,10 @@ from PIL import Image
 from steeplejack.planning.climb.plan import Phase
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
-from steeplejack.robots.pipe_climber.pads import pad_row
+from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, pad_row
 from steeplejack.simulation.climber.camera import FRAMES, Camera, Film, Strip
 from steeplejack.simulation.climber.odometry import Odometer
-from steeplejack.simulation.climber.pipe import clearing, frame_at, radii
+from steeplejack.simulation.climber.pipe import clearing, frame_at, resting
 from steeplejack.simulation.climber.reference import MoveReference
 from steeplejack.worksite.pipe_builtin import load_pipe
 
@@ -136,8 +136,9 @@ def test_open_jaws_clear_the_thicker_pipe_under_their_end() -> None:
         replace(move("upper"), s_lower=0.41, s_upper=0.60),
         replace(move("upper"), s_lower=0.46, s_upper=0.60),
     )
-    assert clearing(run, at, following, 0.0375) == radii(run, at, 0.0375)[0] == 0.030
-    assert radii(run, following, 0.0375) == pytest.approx((0.025, 0.025))
+    assert clearing(run, at, following, 0.0375) == resting(run, at, ROBOT)[0][0] == 0.030
+    assert resting(run, at, ROBOT)[1] == (FIRST, BOTH)
+    assert resting(run, following, ROBOT)[0] == pytest.approx((0.025, 0.025))
 
 
 def test_what_pads_press_with_is_what_mujoco_says() -> None:

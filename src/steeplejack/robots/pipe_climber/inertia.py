@@ -1,9 +1,9 @@
 """What a move's acceleration puts on the gripper that holds alone: inertia of the parts that move, d'Alembert's way.
 
-The robot is points of mass. Every part is a box of even density (those of the physics), and a box of sides a, b, c has
-the mass, the middle and the inertia of four equal points at those corners of ``(+-a, +-b, +-c) / (2 sqrt 3)`` that
-have an even number of minus signs. With the freedoms accelerating by ``rates`` from a pose r of every point follows
-``a = (d r / d freedoms) rates``, and the load is
+The robot is points of mass. Every part is a box of even density, as in the physics, which takes its boxes from here. A
+box of sides a, b, c has the mass, the middle and the inertia of four equal points at those corners of
+``(+-a, +-b, +-c) / (2 sqrt 3)`` that have an even number of minus signs. With the freedoms accelerating by ``rates``
+from a pose r of every point follows ``a = (d r / d freedoms) rates``, and the load is
 
     (moment; force) = - sum m (r x a; a)
 
@@ -26,8 +26,8 @@ from steeplejack.robots.pipe_climber.weights import BEHIND, BODY_SHARE, FRAME, l
 
 Array = NDArray[np.float64]
 
-BAR, PLATE, ROD = 0.010, 0.012, 0.010
-"""Thickness of the linkage's bars, of the platforms and of the rods, as the physics has it; estimates [m]."""
+BAR_SIDE, PLATE_SIDE, ROD_SIDE = 0.010, 0.012, 0.010
+"""Thickness of the linkage's bars, of the platforms and of the rods, for their inertia; estimates [m]."""
 GRIPPER = (0.08, 0.06, 0.05)
 """Box with the inertia of a gripper's frame; estimate [m]."""
 LOAD = (0.1, 0.1, 0.04)
@@ -59,9 +59,9 @@ def points(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, payload: flo
     width, back = 2.0 * robot.linkage.half_width, (float(layout.base.min()), float(layout.platform.min()))
     hz = robot.linkage.claw_offset
     still = np.concatenate((_box((FRAME[0], 0.0, -FRAME[1]), GRIPPER), _box((0.0, 0.0, 0.0), JAWS)))
-    plate = _box((0.5 * back[0], 0.0, 0.0), (-back[0], width, PLATE))
+    plate = _box((0.5 * back[0], 0.0, 0.0), (-back[0], width, PLATE_SIDE))
     upper = np.concatenate((
-        _box((0.5 * back[1], 0.0, 0.0), (-back[1], width, PLATE)), _box((FRAME[0], 0.0, FRAME[1] + hz), GRIPPER),
+        _box((0.5 * back[1], 0.0, 0.0), (-back[1], width, PLATE_SIDE)), _box((FRAME[0], 0.0, FRAME[1] + hz), GRIPPER),
         _box((0.0, 0.0, hz), JAWS), _box((0.0, 0.0, hz), LOAD),
     ))  # fmt: skip
     carried = np.concatenate((
@@ -142,7 +142,9 @@ def _limbs(robot: PipeClimber, layout: Layout, poses: Array) -> Array:
     feet = np.stack((layout.base, [half, -half, 0.0], np.zeros(3)), axis=-1)
     thick = 2.0 * robot.build.limb_radius
     bodies = (feet + 0.5 * body * z)[..., None, :] + (CORNERS * np.array([thick, thick, body])) @ axes
-    rods = (feet + (lengths - 0.5 * body)[..., None] * z)[..., None, :] + (CORNERS * np.array([ROD, ROD, body])) @ axes
+    rods = (feet + (lengths - 0.5 * body)[..., None] * z)[..., None, :] + (
+        CORNERS * np.array([ROD_SIDE, ROD_SIDE, body])
+    ) @ axes
     return np.concatenate((bodies, rods), axis=-3).reshape(*lengths.shape[:-1], 24, 3)
 
 
@@ -164,8 +166,8 @@ def _turned(places: Array, beta: Array) -> Array:
 def _bars(robot: PipeClimber, beta: Array) -> Array:
     """Cranks G1 and G2, which turn about their middles, and couplers G3 and G4, which do not turn, (..., 16, 3)."""
     rcm, height = robot.rcm, linkage_height(robot)
-    crank = _turned(np.broadcast_to(CORNERS * [BAR, 2.0 * rcm.crank, BAR], (*beta.shape, 4, 3)), beta)
-    coupler = CORNERS * [rcm.coupler, BAR, BAR]
+    crank = _turned(np.broadcast_to(CORNERS * [BAR_SIDE, 2.0 * rcm.crank, BAR_SIDE], (*beta.shape, 4, 3)), beta)
+    coupler = CORNERS * [rcm.coupler, BAR_SIDE, BAR_SIDE]
     out = np.stack((-np.sin(beta), np.cos(beta), np.zeros_like(beta)), axis=-1)[..., None, :] * rcm.crank
     half = np.array([0.5 * rcm.coupler, 0.0, 0.0])
     found = np.concatenate((crank - half, crank + half, coupler + out, coupler - out), axis=-2)

@@ -6,7 +6,10 @@ import math
 
 import numpy as np
 
+from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.places import footing
 from steeplejack.planning.climb.plan import Phase
+from steeplejack.robots.pipe_climber import PipeClimber
 from steeplejack.simulation.climber.solids import Array, Solid
 from steeplejack.worksite.pipe_line import Part, Pipe
 from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
@@ -50,10 +53,15 @@ def lower_frame(run: PipeRun, phase: Phase, row: float) -> Array:
     return frame_at(run.pipe(phase.pipe_lower), phase.s_lower, phase.clock, row)
 
 
-def radii(run: PipeRun, phase: Phase, half: float) -> Array:
-    """Of the pipe under the lower and the upper gripper, jaws of a half length [m], when a phase begins (2,) [m]."""
-    places = ((phase.s_lower, phase.pipe_lower), (phase.s_upper, phase.pipe_upper))
-    return np.array([_widest(run.pipe(pipe), s - half, s + half) for s, pipe in places])
+def resting(run: PipeRun, phase: Phase, robot: PipeClimber) -> tuple[Array, tuple[int, int]]:
+    """What the lower and the upper gripper rest on where a phase begins, by the planner's `footing`.
+
+    Returns:
+        Radii of the pipe under the rows of pads that touch it (2,) [m], and which rows those are.
+    """
+    machine, places = Machine.of(robot), ((phase.pipe_lower, phase.s_lower), (phase.pipe_upper, phase.s_upper))
+    lower, upper = (footing(machine, run.pipe(pipe), np.array([s]))[0] for pipe, s in places)
+    return np.array([lower[0], upper[0]]), (int(lower[1]), int(upper[1]))
 
 
 def clearing(run: PipeRun, phase: Phase, following: Phase, half: float) -> float:

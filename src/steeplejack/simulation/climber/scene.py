@@ -18,6 +18,7 @@ import numpy as np
 
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
 from steeplejack.robots.pipe_climber.bars import BAR, POST, ROD, YOKE
+from steeplejack.robots.pipe_climber.inertia import BAR_SIDE, GRIPPER, LOAD, PLATE_SIDE, ROD_SIDE
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.weights import BEHIND, BODY_SHARE, FRAME, linkage_height, linkage_mass
 from steeplejack.simulation.climber.solids import Array, Solid
@@ -35,7 +36,6 @@ IMPRATIO = 300.0
 JAW_STIFFNESS, JAW_DAMPING, JAW_INERTIA = 4.0e4, 150.0, 0.1
 SCREW_DAMPING, SERVO_DAMPING = 800.0, 1.5  # [N s/m], [N m s/rad]
 PIPE, PADS, LIMBS = 1, 2, 4  # bits of what touches what: pads and limbs touch pipe and obstacles, not one another
-LOAD = (0.1, 0.1, 0.04)  # [m] of a box with the payload's inertia
 PALM, RAIL = 0.003, 0.062  # [m] half of the palm's thickness, half of the length of the rails on it
 NO_TOUCH = 'contype="0" conaffinity="0"'
 COLOURS = {"pipe": "0.70 0.73 0.76 1", "obstacle": "0.80 0.36 0.10 1", "mark": "0.45 0.49 0.53 1"}
@@ -137,7 +137,7 @@ def _limb(robot: PipeClimber, layout: Layout, limb: int, inner: str) -> str:
       {_bar((0, 0, radius, 0, 0, body - radius), radius, "0.93 0.55 0.13 1")}
       <body name="rod{number}">
         <joint name="limb{number}" type="slide" axis="0 0 1" armature="{robot.build.screw_inertia}"/>
-        {_inertial((1.0 - BODY_SHARE) * mass, (0, 0, -0.5 * body), (0.01, 0.01, body))}
+        {_inertial((1.0 - BODY_SHARE) * mass, (0, 0, -0.5 * body), (ROD_SIDE, ROD_SIDE, body))}
         {_bar((0, 0, -body, 0, 0, 0), ROD, "0.85 0.87 0.90 1")}
         <site name="rod{number}"/>
         {inner}
@@ -155,10 +155,10 @@ def _upper(robot: PipeClimber, layout: Layout, friction: float, payload: float, 
     return f"""
     <body name="upper_platform" pos="{_numbers((-back, 0, 0))}">
       <joint name="platform3" type="hinge" axis="0 1 0" pos="{_numbers((back, 0, 0))}"/>
-      {_inertial(build.plate_mass, (0.5 * back, 0, 0), (-back, 2 * half, 0.012))}
+      {_inertial(build.plate_mass, (0.5 * back, 0, 0), (-back, 2 * half, PLATE_SIDE))}
       {_yoke(robot, places, "0.12 0.38 0.62 1")}{pins}
       <body name="upper_gripper" pos="{_numbers((0, 0, offset))}">
-        {_inertial(grip, (FRAME[0], 0, FRAME[1]), (0.08, 0.06, 0.05))}
+        {_inertial(grip, (FRAME[0], 0, FRAME[1]), GRIPPER)}
         {_frame(robot, palm)}
         <site name="upper"/>
         {_jaws(robot, "upper", friction, palm)}{load}
@@ -190,13 +190,13 @@ def _linkage(robot: PipeClimber, plate: str) -> str:
     def coupler(name: str, side: float, inner: str) -> str:
         return f"""<body name="{name}" pos="{_numbers((0, side * crank, 0))}">
           <joint name="{name}" type="hinge" axis="0 0 1"/>
-          {_inertial(mass, (half, 0, 0), (2 * half, 0.01, 0.01))}
+          {_inertial(mass, (half, 0, 0), (2 * half, BAR_SIDE, BAR_SIDE))}
           {_bar((0, 0, 0, 2 * half, 0, 0), BAR, colour)}
           <site name="{name}_end" pos="{_numbers((2 * half, 0, 0))}"/>
           <site name="{name}_middle" pos="{_numbers((half, 0, 0))}"/>
           {inner}</body>"""
 
-    length = (0.01, 2 * crank, 0.01)
+    length = (BAR_SIDE, 2 * crank, BAR_SIDE)
     bar = _bar((0, -crank, 0, 0, crank, 0), BAR, colour)
     ends = f'<site name="G2_upper" pos="0 {crank} 0"/><site name="G2_lower" pos="0 {-crank} 0"/>'
     inside = f"""<body name="lower_platform" pos="{_numbers((half, 0, 0))}">
@@ -219,14 +219,14 @@ def _lower(robot: PipeClimber, layout: Layout, friction: tuple[float, float], pa
     order = np.array([places[0], places[1], back])
     posts = "".join(_bar((0, s * crank, z, 0, s * half, 0), POST, "0.12 0.38 0.62 1") for s in (1, -1))
     plate = f"""
-      {_inertial(build.plate_mass, (0.5 * back, -crank, -z), (-back, 2 * half, 0.012))}
+      {_inertial(build.plate_mass, (0.5 * back, -crank, -z), (-back, 2 * half, PLATE_SIDE))}
       <body name="O1" pos="{_numbers((0, -crank, -z))}">
         {_yoke(robot, order, "0.12 0.38 0.62 1")}{posts}<site name="E4" pos="{_numbers((0, -crank, z))}"/>{limbs}
       </body>"""
     grip = build.gripper_mass - 2.0 * build.jaw_mass
     return f"""
     <body name="lower_gripper"><freejoint name="root"/>
-      {_inertial(grip, (FRAME[0], 0, -FRAME[1]), (0.08, 0.06, 0.05))}
+      {_inertial(grip, (FRAME[0], 0, -FRAME[1]), GRIPPER)}
       {_frame(robot, palm)}
       <site name="lower"/>
       {_jaws(robot, "lower", friction[0], palm)}{_linkage(robot, plate)}

@@ -24,7 +24,7 @@ from steeplejack.runtime.climb_record import (
 )
 from steeplejack.runtime.recorder import Recorder
 from steeplejack.simulation.climber.camera import Camera, Film, Strip
-from steeplejack.simulation.climber.pipe import lower_frame, radii, solids_of
+from steeplejack.simulation.climber.pipe import lower_frame, resting, solids_of
 from steeplejack.simulation.climber.plant import ClimberPlant, Start
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.sensors import SensorErrors
@@ -65,7 +65,7 @@ class ClimbSession:
         if not self.plan.phases:
             raise InputError("plan", "no phases", "a plan that moves the robot")
         first = self.plan.phases[0]
-        under = radii(self.run, first, 0.5 * self.robot.build.jaw_length)
+        under, _rows = resting(self.run, first, self.robot)
         start = Start(lower_frame(self.run, first, pad_row(self.robot)), np.array(first.start), under)
         gravity = np.array(self.run.gravity)
         errors = SensorErrors.drawn(np.random.default_rng(self.seed)) if self.seed is not None else None

@@ -8,15 +8,14 @@ from collections.abc import Callable
 import numpy as np
 
 from steeplejack.control.climber import Act, Measurement, Status
-from steeplejack.control.climber.jaws import pipe_radius
 from steeplejack.control.climber.signals import Flags
 from steeplejack.planning.climb.plan import Phase
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
-from steeplejack.simulation.climber.friction_left import FrictionLeft, resting_rows
-from steeplejack.simulation.climber.pipe import frame_at
+from steeplejack.simulation.climber.friction_left import FrictionLeft
+from steeplejack.simulation.climber.pipe import frame_at, resting
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
 from steeplejack.simulation.climber.truth import ENDS, Truth
@@ -45,6 +44,7 @@ class Watch:
         self._lengths, self._at = plant.measure().lengths, 0.0
         truth = plant.truth()
         self._middle = 0.5 * (truth.lower[:3, 3] + truth.upper[:3, 3])
+        self._resting: dict[int, tuple[Array, tuple[int, int]]] = {}  # by phase
         self._ends, self._speed = np.stack((truth.lower[:3, 3], truth.upper[:3, 3])), 0.0
         self.picture: Callable[[float], Picture | None] = lambda _time: None
         self.look: Callable[[float], None] = lambda _time: None
@@ -116,7 +116,7 @@ class Watch:
             forces_n=triple(truth.forces),
             max_force_n=float(self._plant.strongest()),
             grip_n=pair(measured.grip),
-            margin=self._margins(truth, measured, phase, status.held),
+            margin=self._margins(truth, index, phase, status.held),
             slip_m=pair(status.slip),
             lower_m=triple(truth.lower[:3, 3]),
             upper_m=triple(truth.upper[:3, 3]),
@@ -133,12 +133,11 @@ class Watch:
             if picture is not None:
                 self._recorder.write("/camera", picture, at)
 
-    def _margins(
-        self, truth: Truth, measured: Measurement, phase: Phase, held: Flags
-    ) -> tuple[float | None, float | None]:
+    def _margins(self, truth: Truth, index: int, phase: Phase, held: Flags) -> tuple[float | None, float | None]:
         """Friction left to each gripper that is counted on; None of the others."""
-        robot = self._plant.robot
-        left = self._left(truth, pipe_radius(robot, measured.jaws), resting_rows(robot, self._run, phase))
+        if index not in self._resting:
+            self._resting[index] = resting(self._run, phase, self._plant.robot)
+        left = self._left(truth, *self._resting[index])
         lower, upper = (float(left[i]) if held[i] and np.isfinite(left[i]) else None for i in range(2))
         return lower, upper
 
