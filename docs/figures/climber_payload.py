@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from steeplejack.planning.climb import plan_climb
-from steeplejack.planning.climb.grip import alone, along_way
+from steeplejack.planning.climb.alone import along_way, uses_alone
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
 from steeplejack.robots.pipe_climber.bearing import holding_forces
@@ -73,7 +73,7 @@ def planned_to_hold(mu: float, load: float) -> bool:
     machine, along = Machine.of(with_friction(mu), load), poses()
     feet = np.broadcast_to([RADIUS, float(BOTH)], (len(along), 2, 2))
     gravity = np.broadcast_to(GRAVITY, (len(along), 3))
-    return bool((alone(machine, along, gravity, feet, along_way(machine, along)) <= 1.0).all())
+    return bool((uses_alone(machine, along, gravity, feet, along_way(machine, along)) <= 1.0).all())
 
 
 def cylinders_hold(load: float) -> bool:

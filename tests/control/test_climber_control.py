@@ -19,12 +19,13 @@ from steeplejack.control.climber import (
     closed_in,
     taken_up,
 )
-from steeplejack.control.climber.jaws import open_place, pad_place
+from steeplejack.control.climber.jaws import open_place
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.plan import Kind
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
 from steeplejack.robots.pipe_climber.bearing import holding_forces
 from steeplejack.robots.pipe_climber.jacobian import jacobian
+from steeplejack.robots.pipe_climber.pads import pad_place
 from steeplejack.robots.pipe_climber.weights import first_moments
 
 ROBOT = load_pipe_climber()

@@ -70,7 +70,11 @@ def test_a_longer_reach_and_less_payload_never_hold_less(bridge: Bridge, squad: 
 
 
 def test_stances_in_space_are_certified_by_the_planner_too(bridge: Bridge, squad: Squad) -> None:
-    """What the chart calls held, `hold` of a mission calls good: same stays, limits less reserve, checks."""
+    """What the chart calls held, `hold` of a mission calls good: same stays, limits less reserve, checks.
+
+    But for places where the platform hangs turned away from the stays: there the tensions that `hold` stays near to
+    need not have an equilibrium of their own.
+    """
     rules = replace(RULES, mass=squad.platform.mass, tension=(20.0, 250.0), reserve=0.1, spacing=16.0)
     chart = stance_chart(bridge, squad, rules, "space", ["T1L-main"], (5, 9))
     bay = Bay.of(bridge.fan("T1L-main"), 5, 9, "under", squad)
@@ -84,10 +88,12 @@ def test_stances_in_space_are_certified_by_the_planner_too(bridge: Bridge, squad
             target = bay.place(float(k), s, off)
             anchors, pull = scene.anchors(stance, facing(bay, stance[None], target)[0])
             held = hold(scene, anchors, pull, np.array([[float(k), s, off]]))
+            if np.trace(held.rotation[0] @ bay.frame(float(k), s).T) < 1.0:  # by more than a right angle
+                continue
             assert held.quality[0, 0] >= -1e-3  # tabulated stays against the stays themselves [N]
             assert held.good[0] or held.quality[0, 1] <= 0.0 or held.quality[0, 5] < 0.2
             compared += 1
-    assert compared > 8
+    assert compared > 15
     figure = stance_chart_figure(chart)
     assert len(figure.axes) == 3
 

@@ -1,15 +1,17 @@
-"""What a pose and a grip have to hold: cylinders and servo against statics at every clock, grips with what moves."""
+"""What holding alone takes of grips, cylinders and servo: against statics, closed forms, and with what moves."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from climb_cases import ROBOT, changed
 
-from steeplejack.planning.climb.grip import alone, along_way, either_way
-from steeplejack.planning.climb.limits import LIMITS, Machine, largest_force, largest_torque, margins
+from steeplejack.planning.climb.alone import along_way, either_way, uses_alone
+from steeplejack.planning.climb.lattice import build_lattice
+from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import footing, trouble
 from steeplejack.robots.pipe_climber.bars import linkage_bars, ring_radius, widest_turn
 from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torques
@@ -21,34 +23,41 @@ POSES = np.array([[0.0, 0.17, 0.0], [0.015, 0.19, 0.3], [-0.01, 0.16, -0.2]])
 GRAVITY = np.array([[1.0, -3.0, -9.0], [-6.0, 2.0, -7.0], [5.0, 5.0, 5.0]])
 
 
-def test_forces_and_torques_are_the_largest_over_every_turn_and_every_clock():
-    forces, torques = np.zeros((2, 3)), np.zeros((2, 3))  # clock known, any clock
-    for beta in np.linspace(-ROBOT.rcm.limit, ROBOT.rcm.limit, 21):
-        freedoms = np.column_stack((POSES, np.full(3, beta)))
-        for clock in np.linspace(0.0, 2.0 * math.pi, 73):
-            c, s = math.cos(clock + beta), math.sin(clock + beta)  # from the mechanism to the lower gripper
-            x, y, z = GRAVITY.T
-            pull = np.stack((x * c - y * s, x * s + y * c, z), axis=-1)
-            force = np.abs(holding_forces(ROBOT, MACHINE.layout, freedoms, pull, 0.2)).max(axis=(1, 2))
-            torque = np.abs(servo_torques(ROBOT, MACHINE.layout, freedoms, pull, 0.2)).max(axis=1)
-            for row in (0, 1) if clock == 0.0 else (1,):
-                forces[row], torques[row] = np.maximum(forces[row], force), np.maximum(torques[row], torque)
-    for row in range(2):
-        found = largest_force(MACHINE, POSES, GRAVITY, bool(row))
-        np.testing.assert_array_less(forces[row], found + 1e-9)
-        np.testing.assert_allclose(forces[row], found, rtol=5e-3)
-        assert (torques[row] <= largest_torque(MACHINE, POSES, GRAVITY, bool(row)) + 1e-9).all()
-    np.testing.assert_allclose(torques[1], largest_torque(MACHINE, POSES, GRAVITY, True), rtol=5e-3)
+def moved(machine: Machine, rates: float) -> tuple[np.ndarray, ...]:
+    """States, gravity, footing and what moves of the three poses, the speeds so many times the robot's."""
+    quick = replace(machine, robot=changed(machine.robot, "gait", turn_speed=rates * machine.robot.gait.turn_speed))
+    quick = replace(quick, robot=changed(quick.robot, "cylinders", speed=rates * quick.robot.cylinders.speed))
+    ways = np.array([[[0.1, 1.0, 2.0], [-0.1, -1.0, 1.0]]] * 3)
+    beta = np.array([0.0, 0.4, -0.3])
+    freedoms = np.column_stack((POSES, beta))
+    return freedoms, GRAVITY, np.full((3, 2, 2), [0.03, BOTH]), either_way(quick, POSES, ways, np.arange(3), beta)
 
 
-def test_weak_cylinders_and_a_weak_servo_are_limits_of_their_own():
-    level = np.array([[0.0, -9.81, 0.0]])
-    for table, name, limit in (("cylinders", "force", "force"), ("build", "servo_torque", "servo")):
-        weak = Machine.of(changed(ROBOT, table, **{name: 0.1}))
-        kept = margins(weak, POSES[:1], level + [[3.0, 0.0, -3.0]])[0]
-        assert kept[LIMITS.index(limit)] < 0.0
-        assert (np.delete(kept, LIMITS.index(limit)) >= 0.0).all()
-    assert 1.0 < largest_torque(MACHINE, POSES, GRAVITY, True).max() / 0.3 < ROBOT.build.servo_torque / 0.3
+def test_drives_bear_the_weight_and_what_the_ramps_add():
+    still = uses_alone(MACHINE, *moved(MACHINE, 1e-9))[..., 1:]
+    freedoms, gravity, feet, (loads, drives) = moved(MACHINE, 1.0)
+    forces = holding_forces(ROBOT, MACHINE.layout, freedoms, gravity, 0.2)
+    torques = servo_torques(ROBOT, MACHINE.layout, freedoms, gravity, 0.2)
+    np.testing.assert_allclose(still[..., 0], np.abs(forces).max(axis=-1) / ROBOT.cylinders.force, rtol=1e-6)
+    np.testing.assert_allclose(still[..., 1], np.abs(torques) / ROBOT.build.servo_torque, rtol=1e-6)
+    moving = uses_alone(MACHINE, freedoms, gravity, feet, (loads, drives))[..., 1:]
+    worst = np.abs(forces) + np.abs(drives[..., :3]).max(axis=0)  # either way of either: signs agree in one of them
+    np.testing.assert_allclose(moving[..., 0], worst.max(axis=-1) / ROBOT.cylinders.force)
+    worst = np.abs(torques) + np.abs(drives[..., 3]).max(axis=0)
+    np.testing.assert_allclose(moving[..., 1], worst / ROBOT.build.servo_torque)
+    assert (moving[..., 0] > still[..., 0]).all() and (moving[..., 1] > still[..., 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "scarce"), [("cylinders", "force", "force"), ("build", "servo_torque", "servo")]
+)
+def test_weak_cylinders_and_a_weak_servo_are_limits_of_their_own(table: str, name: str, scarce: str):
+    run = replace(load_pipe("around"), goal_s=0.12)
+    found = {
+        weak: build_lattice(run, Machine.of(changed(ROBOT, table, **{name: weak})), 0.01).scarce
+        for weak in (0.05, 50.0)
+    }
+    assert found[0.05] - found[50.0] == {scarce}
 
 
 def test_a_plan_counts_weight_inertia_and_reserve():
@@ -57,15 +66,15 @@ def test_a_plan_counts_weight_inertia_and_reserve():
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     machine = Machine.of(changed(ROBOT, "gait", reserve=0.2, turn_speed=1e-9))
-    pushes = either_way(machine, pose, ways, np.array([0]), np.zeros(1))
-    used = alone(machine, still, gravity, feet, pushes)[0]
+    moving = either_way(machine, pose, ways, np.array([0]), np.zeros(1))
+    used, pushes = uses_alone(machine, still, gravity, feet, moving)[0, :, 0], moving[0]
     holds = ROBOT.gripper.friction * ROBOT.gripper.force * ROBOT.gripper.jaws
     for end in range(2):
         inertia = np.abs(pushes[:, 0, end, 5]).max()
         assert used[end] == pytest.approx((ROBOT.body.mass * 9.81 + inertia) / holds / 0.8, rel=2e-3)
     travel = np.column_stack((np.zeros(9), np.linspace(0.15, 0.2, 9), np.zeros(9), np.zeros(9)))
     assert machine.peaks[0] == pytest.approx(0.5 * math.pi * ROBOT.cylinders.speed / ROBOT.gait.ramp)
-    np.testing.assert_allclose(np.abs(along_way(machine, travel)[0, 4]), np.abs(pushes[0, 0]), atol=1e-6)
+    np.testing.assert_allclose(np.abs(along_way(machine, travel)[0][0, 4]), np.abs(pushes[0, 0]), atol=1e-6)
 
 
 def test_turning_takes_grip_of_its_own():
@@ -73,7 +82,7 @@ def test_turning_takes_grip_of_its_own():
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     used = [
-        alone(machine, still, gravity, feet, either_way(machine, pose, ways, np.array([0]), np.zeros(1)))[0, 0]
+        uses_alone(machine, still, gravity, feet, either_way(machine, pose, ways, np.array([0]), np.zeros(1)))[0, 0, 0]
         for machine in (Machine.of(changed(ROBOT, "gait", turn_speed=speed)) for speed in (1e-9, 1.0, 2.0))
     ]
     assert used[0] < used[1] < used[2] and used[1] - used[0] > 0.02

@@ -139,7 +139,7 @@ def local_cluster(workers: int) -> Generator[Client]:
         raise InputError("workers", "dask is not installed", "pip install 'steeplejack[cluster]'") from None
     with (
         LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
-        Client(cluster) as client,
+        Client(cluster, set_as_default=False) as client,  # or xarray would write through it, closed or not
     ):
         client.register_plugin(_deaf_to_interrupts())
         yield client
@@ -191,7 +191,7 @@ def _on_cluster(study: Study, place: Path, missing: list[int], client: Client) -
     folders = [str(place.resolve())] * len(missing)
     try:
         futures = client.map(_on_one_core, [study] * len(missing), folders, missing, pure=False)
-        for future in as_completed(futures):
+        for future in as_completed(futures, client.loop):
             yield future.result()
     except (CancelledError, CommClosedError, KilledWorker) as error:
         raise LostClusterError(

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from steeplejack.planning.climb.alone import along_way, uses_alone
 from steeplejack.planning.climb.collide import Solids, meets
-from steeplejack.planning.climb.grip import alone, along_way
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import footing
 from steeplejack.planning.climb.plan import Hold
@@ -67,10 +67,10 @@ def touching(solids: Solids, machine: Machine, lowers: Array, freedoms: Array, a
     return found
 
 
-def worst_use(
+def worst_uses(
     run: PipeRun, machine: Machine, lowers: Array, freedoms: Array, at: Sequence[tuple[str, float]], holds: Hold
-) -> float:
-    """The most that the grip that holds alone is used on the way, see `grip.alone`.
+) -> Array:
+    """The most that holding alone takes on the way of grip, force and torque, (3,); see `alone.uses_alone`.
 
     Args:
         run: Of pipes.
@@ -83,6 +83,5 @@ def worst_use(
     gravity = np.einsum("kij,i->kj", lowers[:, :3, :3], np.array(run.gravity))
     feet = np.array([footing(machine, run.pipe(name), np.array([s]))[0] for name, s in at])
     both = np.broadcast_to(feet, (len(freedoms), 2, 2))
-    return float(
-        alone(machine, freedoms, gravity, both, along_way(machine, freedoms))[:, int(holds is Hold.UPPER)].max()
-    )
+    uses = uses_alone(machine, freedoms, gravity, both, along_way(machine, freedoms))
+    return uses[:, int(holds is Hold.UPPER)].max(axis=0)

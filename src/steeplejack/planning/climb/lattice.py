@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from steeplejack.errors import InputError
+from steeplejack.planning.climb.alone import Kind
 from steeplejack.planning.climb.collide import Solids, obstacles_of
 from steeplejack.planning.climb.limits import LIMITS, Limit, Machine
 from steeplejack.planning.climb.obstructions import Obstructions, obstructions, unobstructed
 from steeplejack.planning.climb.pairs import Joined, join
 from steeplejack.planning.climb.places import PALM, Places, bumps, edges, joined_places, passes, places_on
-from steeplejack.planning.climb.uses import uses_of_grips
+from steeplejack.planning.climb.uses import uses_of_states
 from steeplejack.worksite.pipe_line import Part, Pipe
 from steeplejack.worksite.pipe_run import PipeRun
 
@@ -63,7 +64,8 @@ class Lattice:
         middles: Clock indices allowed halfway to it, (k, 2 grippers, 2); -2 for any clock, -1 for none.
         lower_passes: Open lower gripper turning between clocks, (n, c, b).
         upper_passes: The same of the upper one.
-        uses: Of the lower and the upper gripper's grip, holding alone, (k, c, b, 2); see `grip.alone`.
+        uses: What the lower and the upper gripper's holding alone takes, (k, c, b, 2); see `alone.uses_alone`.
+        scarce: Of what some state takes more than there is.
         solids: What bars must not meet.
         obstructions: Where they do.
     """
@@ -83,6 +85,7 @@ class Lattice:
     lower_passes: Flags
     upper_passes: Flags
     uses: NDArray[np.float32]
+    scarce: set[Kind]
     solids: Solids
     obstructions: Obstructions
 
@@ -101,8 +104,7 @@ def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
     lower = _places(run, machine, step, "lower")
     upper = _places(run, machine, step, "upper")
     pairs = _close_pairs(machine, lower, upper)
-    gravity = np.array(run.gravity)
-    joined = join(machine, gravity, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
+    joined = join(machine, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
     useful = np.asarray(joined.allowed.any(axis=1))
     pairs, joined = pairs[useful], joined.only(useful)
     solids = obstacles_of(run)
@@ -116,13 +118,13 @@ def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
         ends = [_at(lower, pairs[have, 0]), _at(upper, pairs[have, 1])]
         moving = 1 - gripper
         ends[moving] = _halfway(run, machine, (lower, upper)[moving], pairs[have, moving])
-        between = join(machine, gravity, ends[0], ends[1])
+        between = join(machine, ends[0], ends[1])
         middles[have, gripper] = _clock_choice(between, clocks)
     sides = _sides(joined, clocks)
     return Lattice(
         run, machine, step, lower, upper, clocks, near, pairs, joined, sides, ahead, middles,
         _passable(run, machine, lower, clocks, near), _passable(run, machine, upper, clocks, near),
-        uses_of_grips(run, machine, lower, upper, pairs, joined, sides, clocks, near),
+        *uses_of_states(run, machine, lower, upper, pairs, joined, sides, clocks, near),
         solids, obstructions(run, machine, solids, lower, pairs, joined, clocks, near),
     )  # fmt: skip
 
@@ -131,10 +133,10 @@ def deciding_limits(run: PipeRun, machine: Machine, step: float) -> set[Limit]:
     """Limits that alone rule out some pair of places of a run: no other limit's relaxing gives a new pose."""
     lower, upper = _places(run, machine, step, "lower"), _places(run, machine, step, "upper")
     pairs = _close_pairs(machine, lower, upper, 1.5)
-    joined = join(machine, np.array(run.gravity), _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
+    joined = join(machine, _at(lower, pairs[:, 0]), _at(upper, pairs[:, 1]))
     broken = (joined.margins < -1e-9).reshape(-1, len(LIMITS))
     length = broken[:, 1] | broken[:, 2]
-    alone = broken[broken[:, [0, 3, 4, 5, 6]].sum(axis=1) + length == 1]
+    alone = broken[broken[:, [0, 3, 4, 5]].sum(axis=1) + length == 1]
     return {limit for limit, some in zip(LIMITS, np.asarray(alone.any(axis=0)), strict=True) if some}
 
 

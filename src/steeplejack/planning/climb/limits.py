@@ -1,10 +1,9 @@
-"""What a machine can do in one place: lengths, tilt, hinges, singularity and actuator forces of a pose.
+"""What a machine can do in one place: lengths, tilt, hinges and singularity of a pose.
 
 A pose is allowed when every cylinder is within its own window (between its retracted length and that plus the stroke,
 and within the reach of the mechanism), the platform's tilt within the joints' range, the hinges within theirs where
-the machine names a neutral, det J on the home pose's side, and when cylinders and the linkage's servo hold the weight
-of either half of the robot (`robots.pipe_climber.bearing`): whichever gripper then opens, the other one bears the
-robot.
+the machine names a neutral, and det J on the home pose's side. What grips and drives have to bear there is another
+question: see `alone`.
 """
 
 from __future__ import annotations
@@ -19,18 +18,15 @@ from numpy.typing import NDArray
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.collide import AIR
 from steeplejack.robots.pipe_climber.bars import inner_radius
-from steeplejack.robots.pipe_climber.bearing import weight_wrenches
 from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
-from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.layout import Layout
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.singularity import determinant
-from steeplejack.robots.pipe_climber.weights import first_moments, own_moment
 
 Array = NDArray[np.float64]
-Limit = Literal["plane", "shortest", "longest", "tilt", "hinge", "singularity", "force", "servo"]
-LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "singularity", "force", "servo")
+Limit = Literal["plane", "shortest", "longest", "tilt", "hinge", "singularity"]
+LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "singularity")
 SINGULAR = 1e-3
 """Least |det J| in parts of L1 that a climb goes near [1]; at home it is about 0.5."""
 ROUNDING = 1e-9
@@ -100,18 +96,16 @@ class Machine:
         return least + self.claw_offset, largest + self.claw_offset
 
 
-def margins(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
+def margins(machine: Machine, poses: Array) -> Array:
     """How far poses are inside each limit.
 
     Args:
         machine: With its limits.
         poses: (x, w, alpha), (k, 3) [m, m, rad].
-        gravity: In the mechanism's frame, (k, 3) [m/s2].
-        any_clock: Whether gravity across the pipe may point to any side of the mechanism.
 
     Returns:
-        (k, 8) in the order of `LIMITS`, negative where the limit is passed: [1] (plane, always 1 here), [m], [m],
-        [rad], [rad], [m], [N], [N m]. Force and torque only where the others hold, else infinite.
+        (k, 6) in the order of `LIMITS`, negative where the limit is passed: [1] (plane, always 1 here), [m], [m],
+        [rad], [rad], [m].
     """
     lengths = limb_lengths(machine.layout, poses)
     joints = machine.robot.joints
@@ -128,40 +122,4 @@ def margins(machine: Machine, poses: Array, gravity: Array, any_clock: bool = Fa
     with np.errstate(invalid="ignore", divide="ignore"):  # where a limb has no length
         det = machine.side * determinant(machine.layout, poses)
     found[:, 5] = np.minimum(det, ahead) - SINGULAR * machine.layout.lengths[0]
-    found[:, 6:] = np.inf
-    held = (found[:, :6] >= -ROUNDING).all(axis=1)
-    found[held, 6] = machine.robot.cylinders.force - largest_force(machine, poses[held], gravity[held], any_clock)
-    found[held, 7] = machine.robot.build.servo_torque - largest_torque(machine, poses[held], gravity[held], any_clock)
     return np.where(np.isnan(found), -1.0, found)
-
-
-def largest_force(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
-    """Largest push or pull of a cylinder while either gripper holds alone, slow motion, whatever beta is, (k,) [N].
-
-    Arguments as of `margins`. With the upper gripper holding, forces are linear in cos beta, so that the largest are
-    those at the ends of its range.
-    """
-    ends = (0.0, min(machine.robot.rcm.limit, math.pi))
-    first, last = (weight_wrenches(machine.robot, machine.layout, poses, beta, machine.payload) for beta in ends)
-    wrenches = np.concatenate((first, last[:, 1:]), axis=1)  # (k, 3, 2 axes, 3): lower, upper at either end
-    columns = np.swapaxes(wrenches.reshape(len(poses), 6, 3), -1, -2)
-    rows = np.swapaxes(jacobian(machine.layout, poses), -1, -2)
-    each = np.linalg.solve(rows, columns).reshape(len(poses), 3, 3, 2)  # limb, holding, axis
-    across, along = each[..., 0], gravity[:, 2, None, None] * each[..., 1]
-    if any_clock:
-        worst = np.hypot(gravity[:, 0], gravity[:, 1])[:, None, None] * np.abs(across) + np.abs(along)
-    else:
-        worst = np.abs(gravity[:, 0, None, None] * across + along)
-    return worst.max(axis=(1, 2))
-
-
-def largest_torque(machine: Machine, poses: Array, gravity: Array, any_clock: bool = False) -> Array:
-    """Largest torque of the linkage's servo while either gripper holds alone, at rest, whatever beta is, (k,) [N m].
-
-    Arguments as of `margins`. What hangs from the lower gripper may have gravity to any side.
-    """
-    freedoms = np.append(poses, np.zeros((len(poses), 1)), axis=1)
-    _mass, moment = first_moments(machine.robot, machine.layout, freedoms, machine.payload)
-    own, across = own_moment(machine.robot), np.hypot(gravity[:, 0], gravity[:, 1])
-    aside = across if any_clock else np.abs(gravity[:, 1])
-    return np.maximum(np.abs(moment[:, 0] - own) * aside, abs(own) * across)

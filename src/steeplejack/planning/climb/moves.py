@@ -72,7 +72,7 @@ def way(run: PipeRun, machine: Machine, start: Standing, end: Standing) -> Array
     fixed_at = start.upper if lower_free else start.lower
     fixed = run.pipes[fixed_at[0]].chord(np.full(count, fixed_at[1]), machine.row)
     lower, upper = (moving, fixed) if lower_free else (fixed, moving)
-    joined = join(machine, np.array(run.gravity), lower, upper)
+    joined = join(machine, lower, upper)
     away = np.abs((joined.clocks - start.upper_clock + math.pi) % (2.0 * math.pi) - math.pi)
     side = np.where(joined.coaxial, 0, away.argmin(axis=1))
     return joined.poses[np.arange(count), side]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.limits import Machine, margins
+from steeplejack.planning.climb.limits import LIMITS, Machine, margins
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -49,12 +49,11 @@ class Joined:
         return Joined(self.coaxial[keep], self.clocks[keep], self.poses[keep], self.margins[keep], self.allowed[keep])
 
 
-def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tuple[Array, Array]) -> Joined:
+def join(machine: Machine, lower: tuple[Array, Array], upper: tuple[Array, Array]) -> Joined:
     """Poses that join places of the lower gripper with places of the upper one.
 
     Args:
         machine: With its limits.
-        gravity: In the world's frame, (3,) [m/s2].
         lower: Points (k, 3) [m] and frames (k, 3, 3) of the pipe there.
         upper: The same.
 
@@ -64,7 +63,7 @@ def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tu
     back = np.swapaxes(lower[1], -1, -2)
     p = (back @ (upper[0] - lower[0])[..., None])[..., 0]
     turn = back @ upper[1]
-    t, g = turn[..., :, 2], back @ gravity
+    t = turn[..., :, 2]
     aside, lean = np.hypot(p[:, 0], p[:, 1]), np.hypot(t[:, 0], t[:, 1])
     coaxial = (aside < IN_LINE) & (lean < IN_LINE) & (p[:, 2] > 0.0) & (t[:, 2] > 0.0)
     from_place = aside > 0.05 * lean
@@ -77,13 +76,7 @@ def join(machine: Machine, gravity: Array, lower: tuple[Array, Array], upper: tu
     hz = machine.claw_offset
     poses = np.stack((out - hz * np.sin(alpha), p[:, None, 2] - hz * np.cos(alpha), alpha), axis=-1)
     poses[coaxial, :, 0] = poses[coaxial, :, 2] = 0.0
-    across, beside = g[:, None, 0] * cos + g[:, None, 1] * sin, g[:, None, 1] * cos - g[:, None, 0] * sin
-    pulls = np.stack((across, beside, np.broadcast_to(g[:, None, 2], across.shape)), axis=-1)
-    flat = margins(machine, poses.reshape(-1, 3), pulls.reshape(-1, 3))
-    kept = flat.reshape(len(p), 2, flat.shape[-1])  # there may be none: a load that no cylinder lifts
-    if coaxial.any():
-        worst = margins(machine, poses[coaxial, 0], pulls[coaxial, 0], any_clock=True)
-        kept[coaxial] = worst[:, None]
+    kept = margins(machine, poses.reshape(-1, 3)).reshape(len(p), 2, len(LIMITS))
     planar = _planar(p, t, turn, clocks[:, 0]) | coaxial
     kept[..., 0] = np.where(planar, 1.0, -1.0)[:, None]
     reserve = np.zeros((len(p), 1, kept.shape[-1]))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.collide import AIR
-from steeplejack.planning.climb.frames import gripper_frames, touching, worst_use
+from steeplejack.planning.climb.frames import gripper_frames, touching, worst_uses
 from steeplejack.planning.climb.gait import BEARS, acts, after
 from steeplejack.planning.climb.lattice import Lattice, build_lattice, turned
 from steeplejack.planning.climb.limits import Machine
@@ -259,7 +259,7 @@ def _impossible(lattice: Lattice, path: list[int]) -> tuple[int, int] | None:
 
 
 def _hindered(lattice: Lattice, start: Standing, end: Standing, poses: Array) -> bool:
-    """Whether bars meet something on a way between two pipes, or the grip does not bear the robot there."""
+    """Whether bars meet something on a way between two pipes, or grip and drives do not bear the robot there."""
     run, machine = lattice.run, lattice.machine
     holds = Hold.UPPER if lower_moves(start, end) else Hold.LOWER
     freedoms = np.append(poses, np.full((len(poses), 1), start.freedoms[3]), axis=1)
@@ -268,7 +268,7 @@ def _hindered(lattice: Lattice, start: Standing, end: Standing, poses: Array) ->
     if touching(lattice.solids, machine, lowers, freedoms, AIR, linkage=False).any():
         return True
     places = [(run.pipes[pipe].name, s) for pipe, s in (start.lower, start.upper)]
-    return worst_use(run, machine, lowers, freedoms, places, holds) > 1.0
+    return bool((worst_uses(run, machine, lowers, freedoms, places, holds) > 1.0).any())
 
 
 def _phases(run: PipeRun, machine: Machine, standings: tuple[Standing, ...]) -> tuple[Phase, ...]:

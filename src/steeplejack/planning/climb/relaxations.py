@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from steeplejack.planning.climb.collide import AIR
 from steeplejack.planning.climb.lattice import Lattice, deciding_limits, wanted_clocks
 from steeplejack.planning.climb.limits import Machine
@@ -44,7 +42,7 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
     """Relaxations of one limit each that can matter to a run, those of the site last."""
     run, machine, robot = lattice.run, lattice.machine, lattice.machine.robot
     decide = deciding_limits(run, machine, lattice.step)
-    slips = bool((np.isfinite(lattice.uses) & (lattice.uses > 1.0)).any())
+    slips = "grip" in lattice.scarce
     turning = len(wanted_clocks(run, machine)) > 1
     bends = any(not part.straight for pipe in run.pipes for part in pipe.parts)
     standing = bool(run.obstacles or run.crossings)
@@ -63,8 +61,8 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
         (turning, _linkage(run, machine)),
         (length, _stroke(run, robot)),
         (standing or steps, _jaws(run, robot, 0.4)),
-        ("force" in decide, _force(run, robot)),
-        ("servo" in decide, _servo(run, robot)),
+        ("force" in lattice.scarce, _force(run, robot)),
+        ("servo" in lattice.scarce, _servo(run, robot)),
         (length, _size(run, robot)),
         (True, _pipe_end(run, robot)),
         (bends, _bends(run, robot)),

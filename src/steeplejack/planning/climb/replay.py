@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
 from steeplejack.planning.climb.collide import obstacles_of
-from steeplejack.planning.climb.frames import gripper_frames, touching, worst_use
+from steeplejack.planning.climb.frames import gripper_frames, touching, worst_uses
 from steeplejack.planning.climb.gait import BEARS, after
 from steeplejack.planning.climb.limits import LIMITS, Machine, margins
 from steeplejack.planning.climb.places import passes, trouble
@@ -31,7 +31,7 @@ OFF_AXIS, OFF_TANGENT = 2e-4, 1e-3
 LENGTH = 2e-6
 """How far a cylinder may leave its window between two places of the lattice [m]; a screw is no more exact."""
 USE = 1e-3
-"""By how much the use of a grip may exceed 1 between two places of the lattice [1]."""
+"""By how much the use of a grip or a drive may exceed 1 between two places of the lattice [1]."""
 NEARER = 10
 """Steps along the tangent to the place nearest a point; each cubes what is missing, in parts of a bend's radius."""
 SPEED = 1e-3
@@ -64,23 +64,22 @@ def _phase(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     freedoms = phase.poses
     if np.abs(np.subtract(freedoms[[0, -1]], [phase.start, phase.end])).max() > 1e-7:
         found.append("the reference begins or ends elsewhere than the phase")
-    found += _limits(phase, run, machine) + _speeds(phase, machine)
+    found += _limits(phase, machine) + _speeds(phase, machine)
     if len(freedoms) > 1 and np.ptp(freedoms[:, :3], axis=0).max() > 0.0:
         verdict = check_waypoints(machine.layout, freedoms[:, :3]).verdict
         found += [] if verdict == "free" else [f"singularity: {verdict}"]
-    return found + _grip_use(phase, run, machine) + _collisions(phase, run, machine) + _clearances(phase, run, machine)
+    return found + _borne(phase, run, machine) + _collisions(phase, run, machine) + _clearances(phase, run, machine)
 
 
-def _grip_use(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
-    """The gripper that holds alone bears force and moment of the weight throughout."""
+def _borne(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
+    """The gripper that holds alone and the drives bear weight and inertia throughout."""
     lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
     places = ((phase.pipe_lower, phase.s_lower), (phase.pipe_upper, phase.s_upper))
-    use = worst_use(run, machine, lowers, phase.poses, places, phase.hold)
-    return (
-        [f"the {phase.hold.value} gripper slips or tilts: {use:.4f} of the grip a plan may use"]
-        if use > 1.0 + USE
-        else []
-    )
+    uses = worst_uses(run, machine, lowers, phase.poses, places, phase.hold)
+    whats = (f"the {phase.hold.value} gripper slips or tilts", "a cylinder is too weak", "the servo is too weak")
+    return [
+        f"{what}: {use:.4f} of what a plan may use" for what, use in zip(whats, uses, strict=True) if use > 1.0 + USE
+    ]
 
 
 def _collisions(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
@@ -108,17 +107,11 @@ def _frames(phase: Phase, run: PipeRun, machine: Machine, freedoms: Array, close
     return gripper_frames(run, machine, lower, np.array(phase.start), freedoms, closed)
 
 
-def _limits(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
-    """Lengths, tilt, hinges, singularity and force at every sample, gravity as the mechanism then feels it."""
-    lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
-    beta = phase.poses[:, 3]
-    base = lowers[:, :3, :3]
-    gravity = np.einsum("kij,i->kj", base, np.array(run.gravity))
-    c, s = np.cos(beta), np.sin(beta)
-    pull = (gravity[:, 0] * c + gravity[:, 1] * s, gravity[:, 1] * c - gravity[:, 0] * s, gravity[:, 2])
-    kept = margins(_eased(machine), phase.poses[:, :3], np.stack(pull, axis=-1))
+def _limits(phase: Phase, machine: Machine) -> list[str]:
+    """Lengths, tilt, hinges and singularity at every sample, and the linkage's turn."""
+    kept = margins(_eased(machine), phase.poses[:, :3])
     found = [f"{limit} by {-low:g}" for limit, low in zip(LIMITS, kept.min(axis=0), strict=True) if low < -1e-9]
-    if np.abs(beta).max() > machine.robot.rcm.limit + 1e-6:
+    if np.abs(phase.poses[:, 3]).max() > machine.robot.rcm.limit + 1e-6:
         found.append("linkage turned beyond its range")
     return found
 

@@ -31,9 +31,9 @@ the one before (k, 2), clocks allowed on the way to the next (k, 2, 2)."""
 Clocks = tuple[Indices, Array]
 """Clocks near each (c, b), -1 for none, and the turn to them (c, b) [rad]."""
 Bars = tuple[Uses, Indices, Flags, Indices, Flags, Flags]
-"""Use of the lower and the upper grip that holds alone (k, c, b, 2); row of a pair in the next, -1 for none (k,); turns
-in which the mechanism's bars meet something (r, c, b); row of a lower place in the next two (n,); turns of the upper,
-and of the lower gripper in which the linkage's do (q, c, b, b)."""
+"""What holding alone takes of the lower and the upper gripper (k, c, b, 2); row of a pair in the next, -1 for none
+(k,); turns in which the mechanism's bars meet something (r, c, b); row of a lower place in the next two (n,); turns of
+the upper, and of the lower gripper in which the linkage's do (q, c, b, b)."""
 Ground = tuple[Flags, Flags, Indices]
 """Of one gripper's places: where it may close (n,), where it passes turning between clocks (n, c, b), which pipe."""
 Groups = tuple[Indices, Indices, Indices]

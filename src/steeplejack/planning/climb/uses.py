@@ -1,4 +1,4 @@
-"""How much of a grip every state of the lattice takes: see `grip`."""
+"""How much of grips and drives every state of the lattice takes: see `alone`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.grip import alone, either_way
+from steeplejack.planning.climb.alone import KINDS, Kind, either_way, uses_alone
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import Joined, poses_at
 from steeplejack.planning.climb.places import Places
@@ -22,20 +22,21 @@ NUDGE = 1e-5
 """By how much a gripper goes on to see which way the mechanism moves [m]."""
 
 
-def uses_of_grips(
+def uses_of_states(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, sides: Indices,
     clocks: Array, near: Indices,
-) -> NDArray[np.float32]:  # fmt: skip
-    """Use of the lower and of the upper grip, either alone, by pair, upper clock and lower one near it.
+) -> tuple[NDArray[np.float32], set[Kind]]:  # fmt: skip
+    """What the lower and the upper gripper's holding alone takes, by pair, upper clock and lower one near it.
 
-    On one straight the use is a convex function of the distance of the grippers, which the weight's moment follows, so
+    On one straight it is a convex function of the distance of the grippers, which the weight's moment follows, so
     that chords between a few distances bound it from above.
 
     Returns:
-        (k, c, b, 2); infinite where a pair has no pose at a clock.
+        (k, c, b, 2), the most of grip, force and torque; infinite where a pair has no pose at a clock. And of which
+        some state takes more than there is.
     """
     uses = np.full((len(pairs), *near.shape, 2), np.inf, dtype=np.float32)
-    _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, uses)
+    scarce = _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, uses)
     wide = near.shape[1]
     for side in range(2):
         rows = np.flatnonzero(~joined.coaxial & joined.allowed[:, side] & (sides[:, side] >= 0))
@@ -48,8 +49,15 @@ def uses_of_grips(
         high, low, many = high[have], low[have], many[have]
         poses, ends = joined.poses[rows, side], (lower.only(pairs[rows, 0]), upper.only(pairs[rows, 1]))
         ways = directions(run, machine, *ends, clocks[sides[rows, side]])
-        uses[rows[many], high, slot] = states(run, machine, *ends, poses, ways, many, clocks[high], clocks[low])
-    return uses
+        found = states(run, machine, *ends, poses, ways, many, clocks[high], clocks[low])
+        uses[rows[many], high, slot] = found.max(axis=-1)
+        scarce |= _scarce(found)
+    return uses, scarce
+
+
+def _scarce(uses: Array) -> set[Kind]:
+    """Of what some of the uses (..., 3) take more than there is."""
+    return {kind for kind, use in zip(KINDS, uses.reshape(-1, len(KINDS)).T, strict=True) if (use > 1.0).any()}
 
 
 def directions(run: PipeRun, machine: Machine, lower: Places, upper: Places, clocks: Array) -> Array:
@@ -77,7 +85,7 @@ def states(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, poses: Array, ways: Array, which: Indices,
     high: Array, low: Array,
 ) -> Array:  # fmt: skip
-    """`grip.alone` of states, whichever way the open gripper moves and turns.
+    """`alone.uses_alone` of states (k, 2, 3), whichever way the open gripper moves and turns.
 
     Args:
         run: Of pipes.
@@ -95,15 +103,16 @@ def states(
     c, s = np.cos(low), np.sin(low)
     turned = np.stack((g[:, 0] * c + g[:, 1] * s, g[:, 1] * c - g[:, 0] * s, g[:, 2]), axis=-1)
     feet = np.stack((lower.footing, upper.footing), axis=1)[which]
-    pushes = either_way(machine, poses, ways, which, beta)
-    return alone(machine, np.append(poses[which], beta[:, None], axis=1), turned, feet, pushes)
+    moving = either_way(machine, poses, ways, which, beta)
+    return uses_alone(machine, np.append(poses[which], beta[:, None], axis=1), turned, feet, moving)
 
 
 def _on_straights(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, clocks: Array,
     near: Indices, uses: NDArray[np.float32],
-) -> None:  # fmt: skip
-    """Fill in the states of coaxial pairs, straight by straight and footing by footing."""
+) -> set[Kind]:  # fmt: skip
+    """Fill in the states of coaxial pairs, straight by straight and footing by footing; see `uses_of_states`."""
+    scarce = set[Kind]()
     ends = (lower.only(pairs[:, 0]), upper.only(pairs[:, 1]))
     columns = [column for end in ends for column in (end.pipe, _part(run, end), *end.footing.T)]
     keys = np.stack(columns, axis=-1).astype(np.float64)
@@ -125,12 +134,14 @@ def _on_straights(
         table = states(
             run, machine, ends[0].only(pair), ends[1].only(pair), poses, ways, np.repeat(np.arange(GAPS), count),
             np.tile(clocks[high], GAPS), np.tile(clocks[low], GAPS),
-        ).reshape(GAPS, count, 2)  # fmt: skip
+        ).reshape(GAPS, count, 2, len(KINDS))  # fmt: skip
+        scarce |= _scarce(table)
         at = np.clip((gaps - knots[0]) / (knots[1] - knots[0]), 0.0, GAPS - 1.0)
         below = np.minimum(at.astype(np.int64), GAPS - 2)
         share = (at - below)[:, None, None]
-        values = (1.0 - share) * table[below] + share * table[below + 1]
-        uses[rows[:, None], high[None], slot[None]] = values
+        most = table.max(axis=-1)
+        uses[rows[:, None], high[None], slot[None]] = (1.0 - share) * most[below] + share * most[below + 1]
+    return scarce
 
 
 def _part(run: PipeRun, places: Places) -> Indices:

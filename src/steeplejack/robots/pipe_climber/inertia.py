@@ -1,4 +1,4 @@
-"""What a move's acceleration puts on the gripper that holds alone: inertia of the parts that move, d'Alembert's way.
+"""What a move's acceleration puts on the gripper that holds alone and on the drives: inertia, d'Alembert's way.
 
 The robot is points of mass. Every part is a box of even density, as in the physics, which takes its boxes from here. A
 box of sides a, b, c has the mass, the middle and the inertia of four equal points at those corners of
@@ -7,8 +7,8 @@ from a pose r of every point follows ``a = (d r / d freedoms) rates``, and the l
 
     (moment; force) = - sum m (r x a; a)
 
-about the middle of the gripper that holds, in its frame. What grows with the square of speeds is left out: at 17 mm/s
-and 1 rad/s it is under 0.05 m/s2.
+about the middle of the gripper that holds, in its frame. The drives move the rest against it. What grows with the
+square of speeds is left out: at 17 mm/s and 1 rad/s it is under 0.05 m/s2.
 """
 
 from __future__ import annotations
@@ -20,8 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.inverse import limb_lengths, limb_vectors
+from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.layout import Layout
+from steeplejack.robots.pipe_climber.pads import pad_place
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
+from steeplejack.robots.pipe_climber.statics import actuator_forces
 from steeplejack.robots.pipe_climber.weights import BEHIND, BODY_SHARE, FRAME, linkage_height, linkage_mass
 
 Array = NDArray[np.float64]
@@ -32,10 +35,12 @@ GRIPPER = (0.08, 0.06, 0.05)
 """Box with the inertia of a gripper's frame; estimate [m]."""
 LOAD = (0.1, 0.1, 0.04)
 """Box with the inertia of a payload; estimate [m]."""
-JAWS = (0.054, 0.04, 0.05)
-"""Box with the inertia of a pair of jaws about a pipe; estimate [m]."""
+JAW = (0.02, 0.04, 0.05)
+"""Box with the inertia of a jaw, estimate [m]."""
+JAW_OUT = 0.012
+"""How far its middle is outside its pads, estimate [m]."""
 STEP = 1e-6
-"""Of the differences, along freedoms whose largest rate is 1, [m] and [rad]."""
+"""Of the differences [m] and [rad]."""
 CORNERS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / (2.0 * math.sqrt(3.0))
 ROWS = 256
 """Poses that are worked on at once, so that they stay in the processor's cache."""
@@ -55,14 +60,14 @@ def points(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, payload: flo
     """
     given = np.asarray(freedoms, dtype=np.float64)
     shape, build = given.shape[:-1], robot.build
-    frame, jaws = build.gripper_mass - 2.0 * build.jaw_mass, 2.0 * build.jaw_mass
+    frame, jaws = build.gripper_mass - 2.0 * build.jaw_mass, [build.jaw_mass] * 2
     width, back = 2.0 * robot.linkage.half_width, (float(layout.base.min()), float(layout.platform.min()))
     hz = robot.linkage.claw_offset
-    still = np.concatenate((_box((FRAME[0], 0.0, -FRAME[1]), GRIPPER), _box((0.0, 0.0, 0.0), JAWS)))
+    still = np.concatenate((_box((FRAME[0], 0.0, -FRAME[1]), GRIPPER), *_jaws(robot, 0.0)))
     plate = _box((0.5 * back[0], 0.0, 0.0), (-back[0], width, PLATE_SIDE))
     upper = np.concatenate((
         _box((0.5 * back[1], 0.0, 0.0), (-back[1], width, PLATE_SIDE)), _box((FRAME[0], 0.0, FRAME[1] + hz), GRIPPER),
-        _box((0.0, 0.0, hz), JAWS), _box((0.0, 0.0, hz), LOAD),
+        *_jaws(robot, hz), _box((0.0, 0.0, hz), LOAD),
     ))  # fmt: skip
     carried = np.concatenate((
         np.broadcast_to(plate, (*shape, *plate.shape)), _limbs(robot, layout, given[..., :3]),
@@ -71,15 +76,15 @@ def points(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, payload: flo
     places = np.concatenate((
         np.broadcast_to(still, (*shape, *still.shape)), _bars(robot, given[..., 3]), _turned(carried, given[..., 3]),
     ), axis=-2)  # fmt: skip
-    parts = [frame, jaws, *[0.25 * linkage_mass(robot)] * 4, build.plate_mass]
+    parts = [frame, *jaws, *[0.25 * linkage_mass(robot)] * 4, build.plate_mass]
     parts += [share * robot.cylinders.mass for share in (BODY_SHARE, 1.0 - BODY_SHARE) for _limb in range(3)]
-    return np.repeat([*parts, build.plate_mass, frame, jaws, payload], len(CORNERS)) / len(CORNERS), places
+    return np.repeat([*parts, build.plate_mass, frame, *jaws, payload], len(CORNERS)) / len(CORNERS), places
 
 
-def inertia_loads(
+def inertia(
     robot: PipeClimber, layout: Layout, freedoms: ArrayLike, rates: ArrayLike, payload: float = 0.0
-) -> Array:
-    """Inertia of an accelerating robot as the load on either gripper when it holds alone.
+) -> tuple[Array, Array]:
+    """Inertia of an accelerating robot while either gripper holds alone: the load on it, and what the drives add.
 
     Args:
         robot: The machine.
@@ -90,31 +95,38 @@ def inertia_loads(
         payload: At the upper gripper's middle [kg].
 
     Returns:
-        (moment; force) at the lower gripper's middle in its frame, and at the upper one's in its own,
-        (..., 2, 6) [N m, N].
+        (moment; force) at the lower gripper's middle in its frame, and at the upper one's in its own, (..., 2, 6)
+        [N m, N]; and forces of the cylinders, positive where they push, with the torque of the linkage's servo,
+        positive where it makes beta grow, (..., 2, 4) [N, N m]: by virtual work ``J^T f = sum m (d r / d pose)^T a``,
+        and what motor and screw of a cylinder take themselves. Forces are NaN at a singular pose.
     """
     given, asked = np.asarray(freedoms, dtype=np.float64), np.asarray(rates, dtype=np.float64)
     both = asked if asked.ndim > given.ndim else np.broadcast_to(asked[..., None, :], (*asked.shape[:-1], 2, 4))
     shape = np.broadcast_shapes(given.shape[:-1], both.shape[:-2])
     given = np.broadcast_to(given, (*shape, 4)).reshape(-1, 4)
     both = np.broadcast_to(both, (*shape, 2, 4)).reshape(-1, 2, 4)
-    loads = np.empty((len(given), 2, 6))
+    loads, works = np.empty((len(given), 2, 6)), np.empty((len(given), 2, 4))
     for first in range(0, len(given), ROWS):
         rows = slice(first, first + ROWS)
         for end in range(2):
-            loads[rows, end] = _push(robot, layout, given[rows], both[rows, end], payload, end)
-    return loads.reshape(*shape, 2, 6)
+            loads[rows, end], works[rows, end] = _push(robot, layout, given[rows], both[rows, end], payload, end)
+    poses = given[:, None, :3]
+    own = robot.build.screw_inertia * (jacobian(layout, poses) @ both[..., :3, None])[..., 0]
+    drives = np.append(own + actuator_forces(layout, poses, -works[..., :3]), works[..., 3:], axis=-1)
+    return loads.reshape(*shape, 2, 6), drives.reshape(*shape, 2, 4)
 
 
-def _push(robot: PipeClimber, layout: Layout, freedoms: Array, rates: Array, payload: float, end: int) -> Array:
-    """`inertia_loads` on one gripper, (k, 6)."""
-    size = np.abs(rates).max(axis=-1, keepdims=True)
-    step = STEP * rates / np.where(size > 0.0, size, 1.0)
-    masses, ahead = _seen(robot, layout, freedoms + step, payload, end)
-    _masses, back = _seen(robot, layout, freedoms - step, payload, end)
-    moments, pushes = 0.5 * masses[:, None] * (ahead + back), (back - ahead) * (size / (2.0 * STEP))[..., None]
-    force = np.einsum("n,kni->ki", masses, pushes)
-    return np.concatenate((np.cross(moments, pushes).sum(axis=-2), force), axis=-1)
+def _push(
+    robot: PipeClimber, layout: Layout, freedoms: Array, rates: Array, payload: float, end: int
+) -> tuple[Array, Array]:
+    """The load on one gripper (k, 6), and what moving along each freedom works against (k, 4)."""
+    steps = STEP * np.eye(4)
+    masses, places = _seen(robot, layout, freedoms, payload, end)
+    ahead, back = (_seen(robot, layout, freedoms[:, None] + sign * steps, payload, end)[1] for sign in (1.0, -1.0))
+    ways = ((ahead - back) / (2.0 * STEP)).reshape(len(freedoms), 4, -1)  # (k, 4, 3 n)
+    pushes = (rates[:, None] @ ways).reshape(places.shape) * masses[:, None]
+    works = (ways @ pushes.reshape(len(freedoms), -1, 1))[..., 0]
+    return -np.concatenate((np.cross(places, pushes).sum(axis=-2), pushes.sum(axis=-2)), axis=-1), works
 
 
 def _seen(robot: PipeClimber, layout: Layout, freedoms: Array, payload: float, end: int) -> tuple[Array, Array]:
@@ -129,6 +141,12 @@ def _seen(robot: PipeClimber, layout: Layout, freedoms: Array, payload: float, e
 def _box(middle: tuple[float, float, float], sides: tuple[float, float, float]) -> Array:
     """The points of a box, (4, 3)."""
     return np.array(middle) + CORNERS * np.array(sides)
+
+
+def _jaws(robot: PipeClimber, height: float) -> list[Array]:
+    """A gripper's two jaws at its height, where they stand on the thickest pipe: the larger inertia."""
+    out = pad_place(robot, 0.5 * robot.gripper.pipe_diameter[1]) + JAW_OUT
+    return [_box((side * out, 0.0, height), JAW) for side in (1.0, -1.0)]
 
 
 def _limbs(robot: PipeClimber, layout: Layout, poses: Array) -> Array:

@@ -64,6 +64,15 @@ def pad_clock(robot: PipeClimber, radius: float) -> float:
     return math.asin(half / reach)
 
 
+def pad_place(robot: PipeClimber, radius: float) -> float:
+    """How far pads that touch a pipe of a radius [m] stand from its axis along the way of their jaw [m].
+
+    Raises:
+        InputError: As `pad_clock`.
+    """
+    return (radius + robot.build.pad_radius) * math.cos(pad_clock(robot, radius))
+
+
 def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH) -> Array:
     """Corners of the set of wrenches that the pads of a closed gripper give.
 

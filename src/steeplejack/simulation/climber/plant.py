@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from steeplejack.control.climber.jaws import pad_place, pipe_radius
+from steeplejack.control.climber.jaws import open_place, pipe_radius
 from steeplejack.control.climber.signals import Command, Measurement
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
 from steeplejack.robots.pipe_climber.inverse import limb_lengths, limb_vectors
+from steeplejack.robots.pipe_climber.pads import pad_place
 from steeplejack.simulation.climber import drives
 from steeplejack.simulation.climber.scene import JAW_STIFFNESS, SCREW_DAMPING, SERVO_DAMPING, TIMESTEP, build
 from steeplejack.simulation.climber.sensors import SensorErrors
@@ -103,7 +104,7 @@ class ClimberPlant:
         self.work = 0.0  # [J] that cylinders and servo have put in, what they got back not counted
         self._strongest = 0.0
         self._hang(start)
-        opening = np.array([pad_place(robot, float(r)) + robot.build.jaw_clearance for r in start.radius])
+        opening = np.array([open_place(robot, float(r)) for r in start.radius])
         self._command = Command(np.zeros(3), 0.0, np.array(start.closed), opening)
         self._frames = self._eyes.frames()
 
@@ -130,8 +131,8 @@ class ClimberPlant:
         for name, value in places.items():
             data.qpos[model.joint(name).qposadr[0]] = value
         for i in range(2):
-            clear = 0.0 if start.closed[i] else robot.build.jaw_clearance
-            data.qpos[self._jaws[i]] = pad_place(robot, float(start.radius[i])) + clear
+            stands = pad_place if start.closed[i] else open_place
+            data.qpos[self._jaws[i]] = stands(robot, float(start.radius[i]))
         goals = data.qpos[self._jaws[:, 0]] - np.where(start.closed, self._constants[1], 0.0)
         self._goals[:] = self._controls[:] = np.concatenate([lengths, [beta], np.repeat(goals, 2)])
         mujoco.mj_forward(model, data)

@@ -18,7 +18,7 @@ import numpy as np
 
 from steeplejack.robots.pipe_climber import Layout, PipeClimber
 from steeplejack.robots.pipe_climber.bars import BAR, POST, ROD, YOKE
-from steeplejack.robots.pipe_climber.inertia import BAR_SIDE, GRIPPER, LOAD, PLATE_SIDE, ROD_SIDE
+from steeplejack.robots.pipe_climber.inertia import BAR_SIDE, GRIPPER, JAW, JAW_OUT, LOAD, PLATE_SIDE, ROD_SIDE
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.robots.pipe_climber.weights import BEHIND, BODY_SHARE, FRAME, linkage_height, linkage_mass
 from steeplejack.simulation.climber.solids import Array, Solid
@@ -106,7 +106,7 @@ def _jaws(robot: PipeClimber, end: str, friction: float, palm: float) -> str:
         out.append(
             f'<body name="{end}_jaw_{name}"><joint name="{end}_{name}" type="slide" axis="{side} 0 0" damping="5" '
             f'armature="{JAW_INERTIA}"/>'
-            f"{_inertial(build.jaw_mass, (side * 0.012, 0, 0), (0.02, 0.04, 0.05))}{pads}"
+            f"{_inertial(build.jaw_mass, (side * JAW_OUT, 0, 0), JAW)}{pads}"
             f'<geom type="box" class="looks" pos="{side * 0.010} 0 0" size="0.006 {y + 0.006:.4g} {tall:.4g}" '
             f'rgba="0.20 0.22 0.25 1"/>'
             f'<geom type="box" class="looks" pos="{side * 0.013} {-0.5 * palm:.6g} 0" '

@@ -1,18 +1,21 @@
-"""How much of a gripper's grip the robot takes when that gripper holds alone: force and moment over its pads.
+"""What it takes while one gripper holds alone: of its grip, of the cylinders' force and of the servo's torque.
 
-See `robots.pipe_climber.pads` for what a grip holds. On top of the weight comes the inertia of what moves
-(`robots.pipe_climber.inertia`): in a ramp the fastest cylinder accelerates by ``pi v / (2 T)`` along the open gripper's
-way, forward or back, and the linkage by ``pi omega / (2 T)`` to either side. A plan leaves the reserve of the robot
-file unused: uses are in parts of what it may use.
+See `robots.pipe_climber.pads` for what a grip holds and `robots.pipe_climber.bearing` for what the drives bear. On top
+of the weight comes the inertia of what moves (`robots.pipe_climber.inertia`): in a ramp the fastest cylinder
+accelerates by ``pi v / (2 T)`` along the open gripper's way, forward or back, and the linkage by ``pi omega / (2 T)``
+to either side. A plan leaves the reserve of the robot file unused: uses of a grip are in parts of what it may use.
 """
 
 from __future__ import annotations
+
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.robots.pipe_climber.inertia import inertia_loads
+from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torques
+from steeplejack.robots.pipe_climber.inertia import inertia
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.jacobian import jacobian
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
@@ -20,13 +23,18 @@ from steeplejack.robots.pipe_climber.weights import grip_loads
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Inertia = tuple[Array, Array]
+"""Inertia to try on top of the weight, the worst counts: loads on the grips (m, k, 2, 6) [N m, N], and what cylinders
+and servo have to add (m, k, 2, 4) [N, N m]."""
 
 STRAIGHT = 1e-8
 """Least x [m] or alpha [rad] of a pose off the straight."""
+Kind = Literal["grip", "force", "servo"]
+KINDS: tuple[Kind, ...] = ("grip", "force", "servo")
 
 
-def alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, pushes: Array) -> Array:
-    """Use of the lower and of the upper gripper's grip, each holding alone, in parts of what a plan may use.
+def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, moving: Inertia) -> Array:
+    """What holding alone takes of the lower and of the upper gripper, in parts of what there is.
 
     Args:
         machine: With its pads, masses, payload and reserve.
@@ -34,20 +42,38 @@ def alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, pushes
         gravity: In the lower gripper's frame, (k, 3) [m/s2].
         feet: Radius of the pipe [m] and touching rows at the lower and the upper gripper, (k, 2, 2); see
             `places.footing`.
-        pushes: Inertia to try on top of the weight, the worst counts, (m, k, 2, 6) [N m, N].
+        moving: Inertia to try.
 
     Returns:
-        (k, 2), above 1 where it slips or tilts, or comes too near to that.
+        (k, 2, 3) in the order of `KINDS`: above 1 where the grip slips or tilts, or comes too near to that, where a
+        cylinder or the servo is too weak; NaN at a singular pose.
     """
+    return np.append(
+        _grips(machine, freedoms, gravity, feet, moving[0]), _drives(machine, freedoms, gravity, moving[1]), axis=-1
+    )
+
+
+def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, pushes: Array) -> Array:
+    """Of the grips, (k, 2, 1)."""
     loads = grip_loads(machine.robot, machine.layout, freedoms, gravity, machine.payload)
     tried = np.moveaxis(loads + pushes, 0, 1)  # those of one state together: each is near the last one
-    use = np.zeros((len(freedoms), 2))
+    use = np.zeros((len(freedoms), 2, 1))
     for end in range(2):
         for radius, rows in np.unique(feet[:, end], axis=0):
             mine = (feet[:, end, 0] == radius) & (feet[:, end, 1] == rows)
             body = grip_body(machine.robot, float(radius), int(rows))
-            use[mine, end] = grip_use(body, tried[mine, :, end]).max(axis=1)
+            use[mine, end, 0] = grip_use(body, tried[mine, :, end]).max(axis=1)
     return use / (1.0 - machine.robot.gait.reserve)
+
+
+def _drives(machine: Machine, freedoms: Array, gravity: Array, added: Array) -> Array:
+    """Of the strongest cylinder's force and of the servo's torque, (k, 2, 2)."""
+    robot, layout, payload = machine.robot, machine.layout, machine.payload
+    forces = holding_forces(robot, layout, freedoms, gravity, payload) + added[..., :3]
+    torques = added[..., 3] - servo_torques(robot, layout, freedoms, gravity, payload)
+    force = np.abs(forces).max(axis=(0, -1)) / robot.cylinders.force
+    torque = np.abs(torques).max(axis=0) / robot.build.servo_torque
+    return np.stack((force, torque), axis=-1)
 
 
 def ramps(machine: Machine, poses: Array, ways: Array) -> Array:
@@ -66,8 +92,8 @@ def ramps(machine: Machine, poses: Array, ways: Array) -> Array:
     return np.append(ways * scale[..., None], np.zeros((*ways.shape[:2], 1)), axis=-1)
 
 
-def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta: Array) -> Array:
-    """Inertia of moves that begin or end in poses and turn, either way both: `alone`'s pushes (4, k, 2, 6).
+def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta: Array) -> Inertia:
+    """Inertia of moves that begin or end in poses and turn, either way both: four to try.
 
     The upper gripper turns with both grippers on one straight only, where x and alpha are 0.
 
@@ -83,10 +109,16 @@ def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta
     turn = np.zeros((len(poses), 2, 4))
     turn[:, :, 3] = machine.peaks[1]
     turn[np.abs(poses[:, [0, 2]]).max(axis=1) > STRAIGHT, 0] = 0.0
-    along, turning = (
-        _carried(inertia_loads(machine.robot, machine.layout, still, rates, machine.payload)[which], beta)
+    (along, along_drives), (turning, turning_drives) = (
+        inertia(machine.robot, machine.layout, still, rates, machine.payload)
         for rates in (ramps(machine, poses, ways), turn)
     )
+    loads = _signed(_carried(along[which], beta), _carried(turning[which], beta))
+    return loads, _signed(along_drives[which], turning_drives[which])
+
+
+def _signed(along: Array, turning: Array) -> Array:
+    """Both ways of both, (4, ...)."""
     return np.stack((along + turning, along - turning, -along - turning, -along + turning))
 
 
@@ -99,19 +131,19 @@ def _carried(loads: Array, beta: Array) -> Array:
     return out
 
 
-def along_way(machine: Machine, freedoms: Array) -> Array:
-    """Inertia of one move, if it began or ended at any place on its way: `alone`'s pushes (2, k, 2, 6).
+def along_way(machine: Machine, freedoms: Array) -> Inertia:
+    """Inertia of one move, if it began or ended at any place on its way: two to try.
 
     Args:
         machine: With its speeds and ramp.
         freedoms: (x, w, alpha, beta) along the way, (k, 4) [m, m, rad, rad].
     """
     if len(freedoms) < 2:
-        return np.zeros((1, len(freedoms), 2, 6))
+        return np.zeros((1, len(freedoms), 2, 6)), np.zeros((1, len(freedoms), 2, 4))
     ways = np.gradient(freedoms, axis=0)
     lengths = np.gradient(limb_lengths(machine.layout, freedoms[:, :3]), axis=0)
     peak, turning = machine.peaks
     part = np.maximum(np.abs(lengths).max(axis=1) / peak, np.abs(ways[:, 3]) / turning)
     rates = ways / np.where(part > 0.0, part, 1.0)[:, None]
-    loads = inertia_loads(machine.robot, machine.layout, freedoms, rates, machine.payload)
-    return np.stack((loads, -loads))
+    loads, drives = inertia(machine.robot, machine.layout, freedoms, rates, machine.payload)
+    return np.stack((loads, -loads)), np.stack((drives, -drives))
