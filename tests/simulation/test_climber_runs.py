@@ -16,8 +16,10 @@ from steeplejack.planning.climb.places import footing
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
 from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
+from steeplejack.runtime.climb_record import EndRecord
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.session import ClimbSession
+from steeplejack.simulation.climber.sensors import SensorErrors
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_builtin import load_pipe
 
@@ -74,18 +76,33 @@ def test_a_change_of_diameter_is_climbed_with_one_row_of_pads_at_a_time() -> Non
     assert min(moving) == pytest.approx(1.0 - grip_use(grip_body(robot, float(radius), int(rows)), loads[0]), abs=0.05)
 
 
-def test_the_planar_cross_is_climbed_over() -> None:
-    """With cylinders of 120 mm: the upper gripper goes over to the level pipe, then the lower one after it."""
-    run, robot = load_pipe("planar-cross"), load_pipe_climber("pipe-climber-cross")
-    whole = plan_climb(run, robot)
-    steps = [i for i, one in enumerate(whole.phases) if one.crosses]
-    plan = replace(whole, phases=whole.phases[steps[0] : steps[-1] + 1])
-    mu = robot.gripper.friction
+def crossed(start_clock: float) -> tuple[ClimbPlan, EndRecord, Watch]:
+    """The planar cross by a robot that begins at a clock, sensors with the errors of seed 0."""
+    run, robot = replace(load_pipe("planar-cross"), start_clock=start_clock), load_pipe_climber("pipe-climber-cross")
+    plan, mu = plan_climb(run, robot), robot.gripper.friction
     plant = ClimbSession(plan, run, robot, Layout.of(robot), (mu, mu)).plant()
     watch = Watch(plant, run, None)
-    end = ClimbRun(plan, run, robot, Layout.of(robot), plant, watch).run(nothing)
+    return plan, ClimbRun(plan, run, robot, Layout.of(robot), plant, watch).run(nothing), watch
+
+
+def test_the_planar_cross_is_climbed_over() -> None:
+    """With cylinders of 120 mm: the upper gripper goes over to the level pipe, then the lower one after it."""
+    plan, end, watch = crossed(math.pi)
     assert end.completed and end.safe and end.slips == 0 and end.collisions == 0
-    assert [grip.gripper for grip in watch.grips][-1] == "lower" and plan.phases[-1].pipe_upper == "level"
+    assert [grip.gripper for grip in watch.grips][-1] == "lower" and plan.phases[-1].pipe_lower == "level"
     assert max(grip.error_m for grip in watch.grips) < 1e-3
     assert max(grip.place_error_m for grip in watch.grips) < 1e-3
+    assert max(grip.error_rad for grip in watch.grips) < math.radians(0.5)
+    assert max(sample.max_force_n for sample in watch.samples) < 50.0
+
+
+def test_half_a_turn_before_the_cross_costs_what_the_servo_errs() -> None:
+    """Its scale error adds up over six turns, and at the level pipe jaws pull the robot round by that."""
+    _plan, end, watch = crossed(0.0)
+    assert end.completed and end.safe and end.collisions == 0
+    met = next(grip for grip in watch.grips if grip.place_error_m > 1e-3)
+    servo = SensorErrors.drawn(np.random.default_rng(0)).servo[0]
+    assert met.gripper == "upper"
+    assert met.place_error_m == pytest.approx(math.pi * abs(servo) * 0.2033, rel=0.25)  # the way out to that pipe
+    assert max(grip.error_m for grip in watch.grips) < 1.5e-3
     assert max(grip.error_rad for grip in watch.grips) < math.radians(0.5)
