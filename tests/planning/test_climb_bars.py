@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from climb_cases import ROBOT
 
-from steeplejack.planning.climb.collide import AIR, blocked_clocks, meets, obstacles_of
+from steeplejack.planning.climb.around import blocked_clocks
+from steeplejack.planning.climb.collide import meets
 from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.solids import AIR, obstacles_of
 from steeplejack.robots.pipe_climber.bars import inner_radius, linkage_bars, mechanism_bars
 from steeplejack.worksite.pipe_builtin import load_pipe
 from steeplejack.worksite.pipe_run import PipeRun

@@ -18,8 +18,8 @@ from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.runtime.climb_record import EndRecord
 from steeplejack.simulation.climber.run import ClimbRun
-from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.sensors import SensorErrors
+from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_builtin import load_pipe
 

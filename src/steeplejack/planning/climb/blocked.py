@@ -18,9 +18,10 @@ from steeplejack.errors import SteeplejackError
 from steeplejack.planning.climb.lattice import build_lattice
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import edges, trouble
-from steeplejack.planning.climb.planner import Found, climb, search, stroke_on_straights
+from steeplejack.planning.climb.planner import climb, stroke_on_straights
 from steeplejack.planning.climb.relaxation import Relaxation
 from steeplejack.planning.climb.relaxations import other_machines, relaxations
+from steeplejack.planning.climb.route import Found, search
 from steeplejack.worksite.pipe_run import PipeRun
 
 COARSE = 5

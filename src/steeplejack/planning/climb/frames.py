@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.alone import along_way, uses_alone
-from steeplejack.planning.climb.collide import Solids, meets
+from steeplejack.planning.climb.collide import meets
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import footing
 from steeplejack.planning.climb.plan import Hold
+from steeplejack.planning.climb.solids import Solids
 from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
 from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.worksite.pipe_run import PipeRun

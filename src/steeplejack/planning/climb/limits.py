@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.planning.climb.collide import AIR
+from steeplejack.planning.climb.solids import AIR
 from steeplejack.robots.pipe_climber.bars import inner_radius
 from steeplejack.robots.pipe_climber.inverse import hinge_angles, limb_lengths
 from steeplejack.robots.pipe_climber.layout import Layout

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.collide import AIR, Solids, blocked_clocks, meets
+from steeplejack.planning.climb.around import blocked_clocks
+from steeplejack.planning.climb.collide import meets
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import Joined
 from steeplejack.planning.climb.places import Places
+from steeplejack.planning.climb.solids import AIR, Solids
 from steeplejack.robots.pipe_climber.bars import limb_room, linkage_bars, mechanism_bars, ring_radius
 from steeplejack.robots.pipe_climber.weights import linkage_height
 from steeplejack.worksite.pipe_line import Pipe
@@ -28,7 +30,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 CLOCKS = 144
-"""Clocks of the tables; half a cell turns the furthest bar by less than `collide.AIR`."""
+"""Clocks of the tables; half a cell turns the furthest bar by less than `solids.AIR`."""
 ALONG = 0.006
 """Half of what the linkage's bars take up along the pipe, with its air [m]."""
 REACH = 0.15

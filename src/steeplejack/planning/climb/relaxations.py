@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from steeplejack.planning.climb.collide import AIR
-from steeplejack.planning.climb.lattice import Lattice, deciding_limits, wanted_clocks
+from steeplejack.planning.climb.clocks import wanted_clocks
+from steeplejack.planning.climb.lattice import Lattice, deciding_limits
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.relaxation import (
     Problem,
@@ -22,6 +22,7 @@ from steeplejack.planning.climb.relaxation import (
     rounded_down,
     rounded_up,
 )
+from steeplejack.planning.climb.solids import AIR
 from steeplejack.robots.pipe_climber.bars import widest_turn
 from steeplejack.robots.pipe_climber.parameters import SHIPPED, PipeClimber, load_pipe_climber
 from steeplejack.worksite.pipe_run import PipeRun, with_bends, with_end

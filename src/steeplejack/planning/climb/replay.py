@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.errors import InputError
-from steeplejack.planning.climb.collide import obstacles_of
 from steeplejack.planning.climb.frames import gripper_frames, touching, worst_uses
 from steeplejack.planning.climb.gait import BEARS, after
 from steeplejack.planning.climb.limits import LIMITS, Machine, margins
 from steeplejack.planning.climb.places import passes, trouble
 from steeplejack.planning.climb.plan import ClimbPlan, Hold, Phase
+from steeplejack.planning.climb.solids import obstacles_of
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.parameters import PipeClimber
 from steeplejack.robots.pipe_climber.singular_path import check_waypoints
