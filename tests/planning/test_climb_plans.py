@@ -282,9 +282,9 @@ def test_a_start_that_grippers_cannot_close_at_names_the_next_one(name: str, sta
     assert not coarse(replace(run, start_s=place - 1e-4)).phases
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [0, *range(2, 9)])
 def test_random_runs_are_climbed_within_limits_or_not_passed_by_sampling(seed: int):
-    """500 of them: `python tests/planning/climb_cases.py trials.jsonl`."""
+    """500 of them: `python tests/planning/climb_cases.py trials.jsonl`. Run 1 takes half a minute of finer lattices."""
     assert trial(seed, 1500)["wrong"] == []
 
 

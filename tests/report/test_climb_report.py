@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import re
 from base64 import b64decode
@@ -107,6 +108,30 @@ def test_the_page_is_whole_and_fetches_nothing(tmp_path: Path) -> None:
     shown = [b64decode(data) for data in re.findall(r"data:image/webp;base64,([^\"]+)", text)]
     assert shown == [film_of(log)]
     assert is_climb(log)
+
+
+def test_a_climb_that_slid_back_has_no_speed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without_figures(monkeypatch)
+    log = read_climb(logged(tmp_path / "a.mcap"))
+    slid = dataclasses.replace(
+        log, samples=dataclasses.replace(log.samples, travelled=-log.samples.travelled), grips=()
+    )
+    found = summarise(slid)
+    assert found.summary.distance_m == pytest.approx(-0.05) and found.summary.mean_speed_mm_s == 0.0
+    text = pages.climb_page(slid, found)
+    assert (
+        "slid back" in text and "nothing climbed" in text and "no gripper closed" in text and "\u2013\u00b0" not in text
+    )
+
+
+def test_the_page_tells_the_friction_of_physics_from_the_plan_s(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without_figures(monkeypatch)
+    log = read_climb(logged(tmp_path / "a.mcap"))
+    other = dataclasses.replace(log, run=msgspec.structs.replace(log.run, friction=(0.2, 0.2)))
+    assert "planned for" not in pages.climb_page(log, summarise(log))
+    assert "0.2 in physics, planned for 0.3" in pages.climb_page(other, summarise(other))
 
 
 def without_figures(monkeypatch: pytest.MonkeyPatch) -> None:

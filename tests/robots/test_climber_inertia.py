@@ -52,7 +52,7 @@ def test_loads_are_those_of_points_followed_through_a_ramp(end: int, rng: np.ran
             places = (places - upper[:, None, :3, 3]) @ upper[:, :3, :3]
         pushes = -masses[:, None] * (places[0] - 2.0 * places[1] + places[2]) / tick**2
         expected = np.concatenate((np.cross(places[1], pushes).sum(axis=0), pushes.sum(axis=0)))
-        found = inertia(ROBOT, LAYOUT, start, peak / needed * way, PAYLOAD)[0][end]
+        found = inertia(ROBOT, LAYOUT, start[None], peak / needed * way[None], end, PAYLOAD)[0][0]
         np.testing.assert_allclose(found, expected, atol=0.06, rtol=0.02)  # speeds squared are left out
 
 
@@ -60,9 +60,10 @@ def test_along_the_pipe_it_is_mass_times_acceleration():
     """The rods go with the upper gripper; what holds stands still."""
     rods = 3.0 * 0.4 * ROBOT.cylinders.mass
     upper = ROBOT.build.gripper_mass + ROBOT.build.plate_mass + rods + PAYLOAD
-    found, _drives = inertia(ROBOT, LAYOUT, [0.0, 0.175, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], PAYLOAD)
-    assert found[0, 5] == pytest.approx(-upper, rel=0.01)  # limbs lean by a few degrees
-    assert found[1, 5] == pytest.approx(ROBOT.body.mass + PAYLOAD - upper, rel=0.01)
+    middle, up = np.array([[0.0, 0.175, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0, 0.0]])
+    found = [inertia(ROBOT, LAYOUT, middle, up, end, PAYLOAD)[0] for end in (0, 1)]
+    assert found[0][0, 5] == pytest.approx(-upper, rel=0.01)  # limbs lean by a few degrees
+    assert found[1][0, 5] == pytest.approx(ROBOT.body.mass + PAYLOAD - upper, rel=0.01)
 
 
 def test_the_servo_bears_what_turning_slowly_would_cost(rng: np.random.Generator):

@@ -47,5 +47,5 @@ def test_drives_move_the_robot_of_the_physics(end: int, payload: float) -> None:
         pose = np.array(freedoms)
         borne = mass_matrix(pose, end, payload) @ rates
         wanted = np.append(np.linalg.solve(jacobian(LAYOUT, pose[:3]).T, borne[:3]), borne[3])
-        found = inertia(ROBOT, LAYOUT, pose, rates, payload)[1][end]
+        found = inertia(ROBOT, LAYOUT, pose[None], [rates], end, payload)[1][0]
         np.testing.assert_allclose(found, wanted, atol=1e-6 * np.abs(wanted).max())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from steeplejack.worksite.pipe_file import decode_pipes
 from steeplejack.worksite.pipe_generate import encode_pipes, random_pipes
 from steeplejack.worksite.pipe_run import build_run, with_bends, with_end
 
+DOCS = Path(__file__).parents[2] / "docs"
 GOOD = """kind = "pipes"
 name = "n"
 description = "d"
@@ -162,6 +164,15 @@ def test_random_runs_are_read_back_as_written(tmp_path: Path):
     (GOOD.replace("diameter = 0.06\n", 'diameter = "0.06"\n'), "$.main.diameter"),
     (GOOD + 'name = "rail"\n', "overwrite"),
     (GOOD.split("[[obstacles]]")[0] + 201 * "[[main.parts]]\nkind = 'straight'\nlength = 0.1\n", "$.main.parts"),
+    (GOOD.replace("diameter = 0.06\n", "diameter = 60\n"), "`float` <= 10.0, got 60 - at `$.main.diameter`"),
+    (GOOD.replace("radius = 0.3", "radius = nan"), "got nan - at `$.main.parts[1].radius`"),
+    (GOOD.replace("at = 0.2", "at = -0.2"), "got -0.2 - at `$.crossings[0].at`"),
+    (GOOD.replace('name = "n"', 'name = ""'), "got '' - at `$.name`"),
+    (GOOD.replace('name = "n"', 'name = "' + 5000 * "n" + '"'), "nnn ... nnn"),
+    (GOOD.replace("s = 0.05", "s = 0.05, at = 0"), "unknown field `at` - at `$.start`"),
+    (GOOD.replace("goal = { s = 0.6 }", "goal = 0.6"), "got `float` - at `$.goal`"),
+    (GOOD.replace('name = "n"\n', ""), "missing required field `name`"),
+    (GOOD.split("[[main.parts]]")[0] + "parts = []\n", "got 0 - at `$.main.parts`"),
     ("\0\0" + GOOD, "Invalid"),
     ("a = " + 100000 * "[", "recursion"),
 ])  # fmt: skip
@@ -170,6 +181,28 @@ def test_a_bad_file_is_refused_in_one_line(text, said):
         run_of(text)
     assert said in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_what_the_schema_refuses_names_a_file_to_open():
+    with pytest.raises(InputError) as error:
+        run_of(GOOD.replace("radius = 0.3", "radius = true"))
+    path = next(word for word in str(error.value).split() if word.endswith(".toml"))
+    assert load_pipe(path).name == "bend-300"
+    assert "docs/climbing.md" in str(error.value) and (DOCS / "climbing.md").is_file()
+
+
+def test_the_example_of_the_docs_is_a_run_with_every_field():
+    block = re.search(r"^```toml\n(.*?)^```", (DOCS / "climbing.md").read_text(), flags=re.MULTILINE | re.DOTALL)
+    assert block
+    file = decode_pipes(block[1].encode(), "docs")
+    for entry in (file, file.main, file.start, file.goal, *file.main.parts, *file.obstacles, *file.crossings):
+        for name in entry.__struct_fields__:
+            assert re.search(rf"\b{name}\b", block[1]), name
+    run = build_run(file, "docs")
+    assert run.crossings[0].through and not run.crossings[1].through
+    assert [part.straight for part in run.pipes[0].parts] == [True, False, True]
+    assert {one.clock is None for one in run.obstacles} == {True, False}
+    np.testing.assert_allclose(run.centre_line(0.0)[1][:, 2], np.array([0.1, 0.0, 1.0]) / math.hypot(0.1, 1.0))
 
 
 def test_files_broken_anywhere_give_one_line_or_a_run():

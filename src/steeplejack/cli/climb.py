@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +11,7 @@ import msgspec
 import typer
 
 from steeplejack.cli.climber_options import ClimberRobot
-from steeplejack.cli.terminal import Ended, Json, Out, bar, emit, say, stoppable, target, writing
+from steeplejack.cli.terminal import Ended, Json, Out, bar, emit, mass, say, stoppable, target, writing
 from steeplejack.errors import InfeasibleError, InputError
 from steeplejack.robots.pipe_climber import BUILT_IN, Layout, PipeClimber, load_pipe_climber
 from steeplejack.worksite.pipe_builtin import load_pipe
@@ -36,6 +35,7 @@ def climb(
         typer.Option(help="Friction in physics alone, unknown to the plan: an experiment.", show_default="as --mu"),
     ] = None,
     payload_kg: Annotated[float, typer.Option(help="Carried by the upper gripper.")] = 0.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the sensors' errors.")] = 0,
     pictures: Annotated[bool, typer.Option(help="Render a film strip into the log.")] = True,
     video: Annotated[bool, typer.Option("--video", help="Render a film too: climb.webp, and in the report.")] = False,
     out: Out = Path("out"),
@@ -47,8 +47,7 @@ def climb(
 
     run, machine = load_pipe(pipe), _rubbing(load_pipe_climber(robot), mu)
     friction = _friction("--mu-in-physics", mu_in_physics, machine)
-    if not 0.0 <= payload_kg < math.inf:
-        raise InputError("--payload-kg", f"{payload_kg:g}", "a finite mass of at least 0")
+    mass("--payload-kg", payload_kg)
     target(out)
     say(f"{run.name}: {run.description}")
     with bar("plan", None):
@@ -56,13 +55,18 @@ def climb(
     if not plan.complete:
         raise InfeasibleError(f"climbing {run.name} to its goal", plan.blocked or "the goal is out of reach")
     where = f"to {plan.reached_m:.3f} m along the pipe"
-    say(f"{plan.steps} steps {where}, {plan.duration:.0f} s planned for {_about(machine, friction)}")
-    session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction), payload_kg)
+    say(f"{_counted(plan.steps)} {where}, {plan.duration:.0f} s planned for {_about(machine, friction)}")
+    session = ClimbSession(plan, run, machine, Layout.of(machine), (friction, friction), payload_kg, seed)
     end, answer = _climbed(session, pictures, video, out)
     emit(answer) if json else show_summary(answer)
     if end.why:
         how = "hanging safely with both grippers closed" if end.safe else "not at rest"
         raise Ended(f"the climb ended early, {how}: {end.why}; log and report are complete to there")
+
+
+def _counted(steps: int) -> str:
+    """A number of steps in words."""
+    return f"{steps} step{'' if steps == 1 else 's'}"
 
 
 def _friction(option: str, asked: float | None, machine: PipeClimber) -> float:
@@ -124,9 +128,10 @@ def _climbed(session: ClimbSession, pictures: bool, video: bool, out: Path) -> t
 
 def show_summary(answer: dict[str, Any]) -> None:
     """Print the answer of ``climb`` for a person."""
-    left = answer["min_friction_margin"]
+    left, way = answer["min_friction_margin"], answer["distance_m"]
+    back = round(-1e3 * way)
     rows = {
-        "climbed": f"{answer['distance_m']:.3f} m in {answer['steps']} steps",
+        "climbed": f"nothing: slid back {back} mm" if back > 0 else f"{way:z.3f} m in {_counted(answer['steps'])}",
         "duration": f"{answer['duration_s']:.1f} s, {answer['mean_speed_mm_s']:.2f} mm/s on average",
         "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
         "least transmission": f"{answer['min_transmission']:.3f}",

@@ -36,7 +36,8 @@ def load_pipe(pipe: str | Path) -> PipeRun:
         return build_run(decode_pipes(_file(str(pipe)).read_bytes(), str(pipe)), str(pipe))
     path = Path(pipe)
     if path.suffix.lower() != ".toml":
-        raise InputError(f"pipe {pipe}", "a folder" if path.is_dir() else "no such name", valid)
+        what = f"a file of unknown kind {path.suffix or '(no suffix)'}" if path.is_file() else "no such name"
+        raise InputError(f"pipe {pipe}", "a folder" if path.is_dir() else what, valid)
     return build_run(decode_pipes(read_source(path, valid), str(pipe)), str(pipe))
 
 

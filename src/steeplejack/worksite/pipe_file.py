@@ -46,11 +46,15 @@ the pipe's direction; it is carried along without twist.
 
 from __future__ import annotations
 
-from typing import Annotated
+import re
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
 
 import msgspec
 
-from steeplejack.files import decode_toml
+from steeplejack.errors import InputError
+from steeplejack.files import decode_toml, shortened
 
 Length = Annotated[float, msgspec.Meta(ge=1e-4, le=1e6)]
 """Of something that is there [m]; what is too long for a run is said with its own words."""
@@ -65,6 +69,8 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Acceleration = Annotated[float, msgspec.Meta(ge=-100.0, le=100.0)]
 MAIN = "main"
+EXAMPLE = Path(__file__).parent / "data" / "pipe-bend-300.toml"
+"""What a message names for somebody to open."""
 
 
 class StraightPart(
@@ -160,4 +166,19 @@ def decode_pipes(content: bytes, where: str) -> PipeFile:
     Raises:
         InputError: Not TOML, or a field that cannot be used; the message gives its path.
     """
-    return decode_toml(content, PipeFile, where, 'a worksite with kind = "pipes" and the fields of a built-in run')
+    try:
+        return decode_toml(content, PipeFile, where, f"every field is in docs/climbing.md, an example in {EXAMPLE}")
+    except InputError as error:
+        raise InputError(error.where, _with_value(error.what, content), error.valid) from None
+
+
+def _with_value(what: str, content: bytes) -> str:
+    """What the decoder says of a field, with what the file has there; of a list its length."""
+    found = re.match(r"(Expected [^,]*)( - at `\$\.(.*)`)$", what)
+    if found is None:
+        return what
+    value: Any = tomllib.loads(content.decode())
+    for key in re.findall(r"[^.\[\]]+", found[3]):
+        value = value[int(key) if isinstance(value, list) else key]
+    value = len(value) if isinstance(value, list) else shortened(repr(value))  # pyright: ignore[reportUnknownArgumentType]
+    return f"{found[1]}, got {value}{found[2]}"

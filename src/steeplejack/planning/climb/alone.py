@@ -102,33 +102,51 @@ def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta
         poses: (x, w, alpha), (j, 3) [m, m, rad].
         ways: How poses change when the upper, and when the lower gripper goes on, (j, 2, 3).
         which: Pose of each state, (k,).
-        beta: Turn of the linkage in each, (k,) [rad]; for the load on the upper gripper, of which it moves less than
-            1e-3 N m, it is left out.
+        beta: Turn of the linkage in each, (k,) [rad].
     """
-    still = np.append(poses, np.zeros((len(poses), 1)), axis=-1)
     turn = np.zeros((len(poses), 2, 4))
     turn[:, :, 3] = machine.peaks[1]
     turn[np.abs(poses[:, [0, 2]]).max(axis=1) > STRAIGHT, 0] = 0.0
-    (along, along_drives), (turning, turning_drives) = (
-        inertia(machine.robot, machine.layout, still, rates, machine.payload)
-        for rates in (ramps(machine, poses, ways), turn)
+    rates = np.stack((ramps(machine, poses, ways), turn))
+    lower = _lower_holds(machine, poses, rates[:, :, 0], which, beta)
+    upper = _upper_holds(machine, poses, rates[:, :, 1], which, beta)
+    loads, drives = (np.stack(ends, axis=-2) for ends in zip(lower, upper, strict=True))
+    return _signed(*loads), _signed(*drives)
+
+
+def _lower_holds(machine: Machine, poses: Array, rates: Array, which: Indices, beta: Array) -> Inertia:
+    """`inertia` of states (m, k): all that moves turns with the mechanism, and so does the load."""
+    loads, drives = _turned_by(machine, poses, rates, 0.0, 0)
+    c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
+    x, y = loads[:, which][..., [0, 3]], loads[:, which][..., [1, 4]]
+    out = loads[:, which]
+    out[..., [0, 3]], out[..., [1, 4]] = x * c - y * s, x * s + y * c
+    return out, drives[:, which]
+
+
+def _upper_holds(machine: Machine, poses: Array, rates: Array, which: Indices, beta: Array) -> Inertia:
+    """`inertia` of states (m, k): that of the lower gripper, which turns, is ``a + b cos(beta) + c sin(beta)``."""
+    c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
+    loads, drives = (
+        (0.5 * (none + half))[:, which]
+        + c * (0.5 * (none - half))[:, which]
+        + s * (quarter - 0.5 * (none + half))[:, which]
+        for none, quarter, half in zip(
+            *(_turned_by(machine, poses, rates, turn, 1) for turn in (0.0, 0.5 * np.pi, np.pi)), strict=True
+        )
     )
-    loads = _signed(_carried(along[which], beta), _carried(turning[which], beta))
-    return loads, _signed(along_drives[which], turning_drives[which])
+    return loads, drives
+
+
+def _turned_by(machine: Machine, poses: Array, rates: Array, turn: float, end: int) -> Inertia:
+    """`inertia` of poses with the linkage at one turn [rad]."""
+    freedoms = np.append(poses, np.full((len(poses), 1), turn), axis=-1)
+    return inertia(machine.robot, machine.layout, freedoms, rates, end, machine.payload)
 
 
 def _signed(along: Array, turning: Array) -> Array:
     """Both ways of both, (4, ...)."""
     return np.stack((along + turning, along - turning, -along - turning, -along + turning))
-
-
-def _carried(loads: Array, beta: Array) -> Array:
-    """Loads (k, 2, 6), those on the lower gripper turned from the mechanism's frame into its own."""
-    c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
-    out = loads.copy()
-    x, y = loads[:, 0, [0, 3]], loads[:, 0, [1, 4]]
-    out[:, 0, [0, 3]], out[:, 0, [1, 4]] = x * c - y * s, x * s + y * c
-    return out
 
 
 def along_way(machine: Machine, freedoms: Array) -> Inertia:
@@ -144,6 +162,7 @@ def along_way(machine: Machine, freedoms: Array) -> Inertia:
     lengths = np.gradient(limb_lengths(machine.layout, freedoms[:, :3]), axis=0)
     peak, turning = machine.peaks
     part = np.maximum(np.abs(lengths).max(axis=1) / peak, np.abs(ways[:, 3]) / turning)
-    rates = ways / np.where(part > 0.0, part, 1.0)[:, None]
-    loads, drives = inertia(machine.robot, machine.layout, freedoms, rates, machine.payload)
-    return np.stack((loads, -loads)), np.stack((drives, -drives))
+    rates = np.stack((ways, -ways)) / np.where(part > 0.0, part, 1.0)[:, None]
+    ends = (inertia(machine.robot, machine.layout, freedoms, rates, end, machine.payload) for end in range(2))
+    loads, drives = (np.stack(both, axis=-2) for both in zip(*ends, strict=True))
+    return loads, drives

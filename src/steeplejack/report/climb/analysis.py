@@ -15,7 +15,11 @@ Array = NDArray[np.float64]
 
 
 class ClimbSummary(msgspec.Struct, frozen=True):
-    """What the command answers; keys are a contract."""
+    """What the command answers; keys are a contract.
+
+    Distance is that of the robot's middle along its own axis, below 0 where it slid back. The mean speed is one of
+    climbing: 0 for a robot that ended no further than it began.
+    """
 
     distance_m: float
     steps: int
@@ -68,7 +72,7 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
         distance_m=distance,
         steps=_steps(log),
         duration_s=duration,
-        mean_speed_mm_s=1e3 * distance / duration if duration > 0.0 else 0.0,
+        mean_speed_mm_s=max(1e3 * distance / duration, 0.0) if duration > 0.0 else 0.0,
         max_actuator_force_n=float(samples.strongest.max()),
         min_transmission=float(transmission.min()),
         min_friction_margin=least if np.isfinite(least) else None,

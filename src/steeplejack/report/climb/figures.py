@@ -61,6 +61,7 @@ def loads_figure(log: ClimbLog, analysis: ClimbAnalysis) -> str:
         grip.set_title(f"force of a jaw, by its sensor; declared {robot.gripper.force:g} N")
         for row, (name, colour) in enumerate(GRIPPERS):
             margin.plot(samples.time, samples.margin[:, row], color=colour, lw=0.8, label=name)
+        _legend(margin)
         margin.axhline(0.0, color=VERMILION, lw=0.9, ls=DASHES)
         margin.set(ylabel="[1]", ylim=(min(-0.05, 1.1 * _least(samples.margin)), 1.0), xlabel="time [s]")
         margin.set_xlim(0.0, max(float(samples.time[-1]), 1e-9))
@@ -99,14 +100,20 @@ def mechanism_figure(log: ClimbLog, analysis: ClimbAnalysis) -> str:
         error.set(xlabel="time [s]", ylabel="[mm], [deg]", ylim=(0.0, None))
         error.set_xlim(0.0, max(float(samples.time[-1]), 1e-9))
         error.set_title("pose of the mechanism, achieved against commanded")
-        error.legend(ncols=2, loc="upper right", bbox_to_anchor=(1.0, 1.2))
+        _legend(error)
         return svg(figure, "mechanism")
 
 
 def _lines(axes: Axes, time: Array, values: Array, names: tuple[tuple[str, str], ...]) -> None:
+    """Lines over time; the first is the widest, for lines may lie on one another."""
     for column, (name, colour) in enumerate(names):
-        axes.plot(*thin(time, values[:, column]), color=colour, lw=0.8, label=name)
-    axes.legend(ncols=len(names), loc="upper right", bbox_to_anchor=(1.0, 1.2), borderaxespad=0.0)
+        axes.plot(*thin(time, values[:, column]), color=colour, lw=0.8 if column else 2.0, label=name)
+    _legend(axes)
+
+
+def _legend(axes: Axes) -> None:
+    """Names of the lines beside the title."""
+    axes.legend(ncols=3, loc="upper right", bbox_to_anchor=(1.0, 1.2), borderaxespad=0.0)
 
 
 def _least(values: Array) -> float:

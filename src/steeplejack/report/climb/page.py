@@ -19,7 +19,8 @@ STRIP = (
     ".film { margin: 0 0 1rem; } .film img { display: block; border-radius: 3px; }"
 )
 
-DOING = {"move": "while it moves the robot", "close": "while the other one closes", "open": "while the other one opens"}
+DOING = {"move": "while it moves the robot", "close": "while the other one closes", "open": "while the other one opens",
+         "close both": "while both close after a slip"}  # fmt: skip
 
 
 def write_climb_report(log_path: Path, out_path: Path) -> ClimbSummary:
@@ -88,15 +89,19 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
     least = math.nan if summary.min_friction_margin is None else summary.min_friction_margin
     where = f"{('lower', 'upper')[gripper]} gripper, {clock(when)}, {DOING.get(act, act)}"
     steps = f"in {summary.steps} step{'' if summary.steps == 1 else 's'}"
+    way = number(abs(1e3 * summary.distance_m), 0)
+    back = summary.distance_m < 0.0 and way != "0"
+    bound = f"{number(1e3 * analysis.bound, 2)} mm/s by stroke, speed, grips"
+    missed = "no gripper closed" if math.isnan(turned) else f"and {number(math.degrees(turned), 2)}°, at most"
     cells = (
-        ("climbed", number(1e3 * summary.distance_m, 0), "mm", steps),
+        ("slid back", way, "mm", "nothing climbed") if back else ("climbed", way, "mm", steps),
         ("time", number(summary.duration_s), "s", f"{number(summary.mean_speed_mm_s, 2)} mm/s on average"),
-        ("speed of the bound", number(_share(analysis), 0), "%", f"bound {number(1e3 * analysis.bound, 2)} mm/s"),
+        ("share of the bound", number(_share(analysis), 0), "%", bound),
         ("energy", number(analysis.energy, 1), "J", "put in by cylinders and servo"),
         ("largest force", number(summary.max_actuator_force_n), "N", "of a cylinder"),
         ("least friction left", number(least, 2), "", where),
         ("least transmission", number(summary.min_transmission, 2), "", "local index, along the climb"),
-        ("error at gripping", number(1e3 * away, 2), "mm", f"{number(math.degrees(turned), 2)}° at most"),
+        ("pose error at gripping", number(1e3 * away, 2), "mm", missed),
     )  # fmt: skip
     return element(
         "div",
@@ -119,9 +124,10 @@ def _share(analysis: ClimbAnalysis) -> float:
 
 
 def _asked(log: ClimbLog) -> Markup:
-    lower, upper = log.run.friction
+    (lower, upper), planned = log.run.friction, log.robot.gripper.friction
     x, y, z = log.run.gravity
     friction = f"{lower:g}" if lower == upper else f"{lower:g} lower gripper, {upper:g} upper gripper"
+    friction = friction if lower == upper == planned else f"{friction} in physics, planned for {planned:g}"
     return section(
         "What was asked",
         terms(
@@ -130,7 +136,7 @@ def _asked(log: ClimbLog) -> Markup:
                 ("Robot", f"{log.robot.name}, {log.robot.body.mass:g} kg"),
                 ("Payload", f"{log.run.payload_kg:g} kg on the upper gripper"),
                 ("Friction of the pads", friction),
-                ("Gravity", f"{x:g}, {y:g}, {z:g} m/s²"),
+                ("Gravity", f"{x:g}, {y:g}, {z:g} m/s²".replace("-", "−")),
                 ("Plan", f"{len(log.plan.phases)} phases, {log.plan.duration_s:.1f} s, {log.plan.reached_m:.3f} m"),
                 ("Grippers", f"{log.robot.gripper.jaws} jaws, {log.robot.gripper.force:g} N each"),
                 ("Sensors", "without errors" if log.run.seed is None else f"with errors, seed {log.run.seed}"),

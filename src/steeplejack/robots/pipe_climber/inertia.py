@@ -82,50 +82,46 @@ def points(robot: PipeClimber, layout: Layout, freedoms: ArrayLike, payload: flo
 
 
 def inertia(
-    robot: PipeClimber, layout: Layout, freedoms: ArrayLike, rates: ArrayLike, payload: float = 0.0
+    robot: PipeClimber, layout: Layout, freedoms: ArrayLike, rates: ArrayLike, end: int, payload: float = 0.0
 ) -> tuple[Array, Array]:
-    """Inertia of an accelerating robot while either gripper holds alone: the load on it, and what the drives add.
+    """Inertia of an accelerating robot while one gripper holds alone: the load on it, and what the drives add.
 
     Args:
         robot: The machine.
         layout: Its hinges.
-        freedoms: (x, w, alpha, beta), (..., 4) [m, m, rad, rad].
-        rates: Their accelerations, (..., 4) or, one for the lower and one for the upper gripper holding, (..., 2, 4)
-            [m/s2, m/s2, rad/s2, rad/s2].
+        freedoms: (x, w, alpha, beta), (k, 4) [m, m, rad, rad].
+        rates: Their accelerations, any number of them, (..., k, 4) [m/s2, m/s2, rad/s2, rad/s2].
+        end: 0 where the lower gripper holds, 1 where the upper one does.
         payload: At the upper gripper's middle [kg].
 
     Returns:
-        (moment; force) at the lower gripper's middle in its frame, and at the upper one's in its own, (..., 2, 6)
-        [N m, N]; and forces of the cylinders, positive where they push, with the torque of the linkage's servo,
-        positive where it makes beta grow, (..., 2, 4) [N, N m]: by virtual work ``J^T f = sum m (d r / d pose)^T a``,
-        and what motor and screw of a cylinder take themselves. Forces are NaN at a singular pose.
+        (moment; force) at the middle of the gripper that holds in its own frame, (..., k, 6) [N m, N]; and forces of
+        the cylinders, positive where they push, with the torque of the linkage's servo, positive where it makes beta
+        grow, (..., k, 4) [N, N m]: by virtual work ``J^T f = sum m (d r / d pose)^T a``, and what motor and screw of
+        a cylinder take themselves. Forces are NaN at a singular pose.
     """
     given, asked = np.asarray(freedoms, dtype=np.float64), np.asarray(rates, dtype=np.float64)
-    both = asked if asked.ndim > given.ndim else np.broadcast_to(asked[..., None, :], (*asked.shape[:-1], 2, 4))
-    shape = np.broadcast_shapes(given.shape[:-1], both.shape[:-2])
-    given = np.broadcast_to(given, (*shape, 4)).reshape(-1, 4)
-    both = np.broadcast_to(both, (*shape, 2, 4)).reshape(-1, 2, 4)
-    loads, works = np.empty((len(given), 2, 6)), np.empty((len(given), 2, 4))
+    many = asked.reshape(-1, *given.shape)
+    loads, works = np.empty((*many.shape[:2], 6)), np.empty_like(many)
     for first in range(0, len(given), ROWS):
         rows = slice(first, first + ROWS)
-        for end in range(2):
-            loads[rows, end], works[rows, end] = _push(robot, layout, given[rows], both[rows, end], payload, end)
-    poses = given[:, None, :3]
-    own = robot.build.screw_inertia * (jacobian(layout, poses) @ both[..., :3, None])[..., 0]
+        loads[:, rows], works[:, rows] = _push(robot, layout, given[rows], many[:, rows], payload, end)
+    poses = given[:, :3]
+    own = robot.build.screw_inertia * (jacobian(layout, poses) @ many[..., :3, None])[..., 0]
     drives = np.append(own + actuator_forces(layout, poses, -works[..., :3]), works[..., 3:], axis=-1)
-    return loads.reshape(*shape, 2, 6), drives.reshape(*shape, 2, 4)
+    return loads.reshape(*asked.shape[:-1], 6), drives.reshape(asked.shape)
 
 
 def _push(
     robot: PipeClimber, layout: Layout, freedoms: Array, rates: Array, payload: float, end: int
 ) -> tuple[Array, Array]:
-    """The load on one gripper (k, 6), and what moving along each freedom works against (k, 4)."""
-    steps = STEP * np.eye(4)
+    """Loads on one gripper (m, k, 6), and what moving along each freedom works against (m, k, 4)."""
+    steps, shape = STEP * np.eye(4), (*rates.shape[:2], -1, 3)
     masses, places = _seen(robot, layout, freedoms, payload, end)
     ahead, back = (_seen(robot, layout, freedoms[:, None] + sign * steps, payload, end)[1] for sign in (1.0, -1.0))
     ways = ((ahead - back) / (2.0 * STEP)).reshape(len(freedoms), 4, -1)  # (k, 4, 3 n)
-    pushes = (rates[:, None] @ ways).reshape(places.shape) * masses[:, None]
-    works = (ways @ pushes.reshape(len(freedoms), -1, 1))[..., 0]
+    pushes = (rates[..., None, :] @ ways).reshape(shape) * masses[:, None]
+    works = (ways @ pushes.reshape(*rates.shape[:2], -1, 1))[..., 0]
     return -np.concatenate((np.cross(places, pushes).sum(axis=-2), pushes.sum(axis=-2)), axis=-1), works
 
 
