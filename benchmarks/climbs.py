@@ -64,6 +64,10 @@ class Climb:
         """How far a pipe has passed through a closed gripper at most [mm]."""
         return 1e3 * max(max(one.slip_m) for one in self.watch.samples)
 
+    def force(self) -> float:
+        """Largest force of a cylinder, moments between samples included [N]."""
+        return max(one.max_force_n for one in self.watch.samples)
+
     def least_left(self, moving: bool) -> float:
         """Friction left, at any time or while one gripper holds and the robot moves."""
         samples = [one for one in self.watch.samples if one.act == "move" or not moving]
@@ -113,20 +117,21 @@ def statics(plan: ClimbPlan, run: PipeRun, robot: PipeClimber) -> float:
 def runs_table() -> None:
     """Every built-in run that the robot climbs, from end to end."""
     print("| run | way | time planned, taken | speed | pose at gripping | place, worst and last | through a closed "
-          "grip | friction left: statics | moving | closing |")  # fmt: skip
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |", flush=True)
+          "grip | largest force | friction left: statics | moving | closing |")  # fmt: skip
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |", flush=True)
     for name in PIPES:
         run_row(name)
     run_row("reducer", mu=0.7)
     run_row("planar-cross", "pipe-climber-cross")
+    run_row("planar-cross", "pipe-climber-cross", clock=0.0)
 
 
-def run_row(name: str, machine: str = BUILT_IN, mu: float | None = None) -> None:
-    """One run, planned and climbed, on the friction of the robot file or another one."""
+def run_row(name: str, machine: str = BUILT_IN, mu: float | None = None, clock: float | None = None) -> None:
+    """One run, planned and climbed, on the friction of the robot file or another one, from its clock or another one."""
     run, robot = load_pipe(name), load_pipe_climber(machine)
-    what = (
-        f"`{name}`" + ("" if machine == BUILT_IN else f", `{machine}`") + ("" if mu is None else f", friction {mu:g}")
-    )
+    what = f"`{name}`" + ("" if machine == BUILT_IN else f", `{machine}`")
+    what += ("" if mu is None else f", friction {mu:g}") + ("" if clock is None else f", begun at clock {clock:g}")
+    run = run if clock is None else replace(run, start_clock=clock)
     robot = robot if mu is None else gripping(robot, mu)
     plan = plan_climb(run, robot)
     if not plan.complete:
@@ -139,8 +144,8 @@ def run_row(name: str, machine: str = BUILT_IN, mu: float | None = None) -> None
     print(
         f"| {what}{ended}{trouble} | {end.travelled_m:.3f} m | {plan.duration:.1f} s, {end.duration_s:.1f} s | "
         f"{1e3 * end.travelled_m / end.duration_s:.2f} mm/s | {away:.2f} mm, {turned:.2f} deg | "
-        f"{worst:.2f} mm, {last:.2f} mm | {one.passed():.2f} mm | {statics(plan, run, robot):.2f} | "
-        f"{one.least_left(True):.2f} | {one.least_left(False):.2f} |",
+        f"{worst:.2f} mm, {last:.2f} mm | {one.passed():.2f} mm | {one.force():.1f} N | "
+        f"{statics(plan, run, robot):.2f} | {one.least_left(True):.2f} | {one.least_left(False):.2f} |",
         flush=True,
     )
 

@@ -12,6 +12,7 @@ PAGES = (
     pytest.param("cable-robots.md", marks=pytest.mark.long),
     pytest.param("anchors-along-a-path.md", marks=pytest.mark.long),
     "anchors.md",
+    pytest.param("climbing.md", marks=pytest.mark.long),
     pytest.param("equilibria.md", marks=pytest.mark.long),
     "grasps.md",
     "interference.md",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from climber_cases import REFERENCE, Array, layout
@@ -27,6 +28,21 @@ def test_the_robot_file_holds_the_published_machine() -> None:
     assert (ROBOT.gripper.force, ROBOT.body.mass) == (one["grip_force"], one["mass"])
     assert math.degrees(ROBOT.joints.limit) == pytest.approx(one["joint_limit_deg"])
     assert math.degrees(ROBOT.rcm.limit) == pytest.approx(one["rcm_limit_deg"])
+
+
+def test_the_robot_that_crosses_is_the_prototype_but_for_what_its_file_says() -> None:
+    """Two files of a hundred lines each: what one of them changes the other must not miss."""
+
+    def values(name: str) -> dict[str, object]:
+        tables = msgspec.to_builtins(load_pipe_climber(name))
+        return {f"{table}.{key}": value for table, entries in tables.items() if isinstance(entries, dict)
+                for key, value in entries.items() if key != "source"}  # fmt: skip
+
+    prototype, crosses = values("pipe-climber"), values("pipe-climber-cross")
+    assert prototype.keys() == crosses.keys()
+    assert {key for key, value in prototype.items() if crosses[key] != value} == {
+        "cylinders.retracted", "cylinders.stroke", "joints.limit", "build.jaw_length", "gait.ramp",
+    }  # fmt: skip
 
 
 def eq_8(lengths: tuple[float, ...], pose: Array, beta: Array, d: float) -> Array:
