@@ -11,7 +11,7 @@ from oracle_bodies import Array
 from oracle_loads import drives
 from oracle_rules import Asked, Rules
 
-from steeplejack.planning.climb.alone import KINDS
+from steeplejack.planning.climb.alone import KINDS, either_way
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import places_on
 from steeplejack.planning.climb.uses import directions, states
@@ -60,5 +60,6 @@ def by_planner(rules: Rules, asked: Asked) -> Array:
     pose = rules.poses(asked.standings[:, :2], clock_high)[0]
     lower, upper = (places_on(rules.run, machine, 0, s) for s in (low, high))
     ways = directions(rules.run, machine, lower, upper, clock_high)
-    uses = states(rules.run, machine, lower, upper, pose, ways, np.arange(len(low)), clock_high, clock_low)
+    moving = either_way(machine, pose, ways)
+    uses = states(rules.run, machine, lower, upper, pose, moving, np.arange(len(low)), clock_high, clock_low)
     return uses[np.arange(len(low)), asked.upper.astype(int)]

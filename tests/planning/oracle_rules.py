@@ -18,11 +18,11 @@ from oracle_grips import Pads, facets, used
 from oracle_loads import loads
 from oracle_moves import Moves
 
-from steeplejack.planning.climb.search import SWING
 from steeplejack.planning.climb.solids import AIR
 from steeplejack.robots.pipe_climber import PipeClimber
 from steeplejack.worksite.pipe_run import PipeRun
 
+TURNING = (0.0, 1.0, 0.5, 0.25, 0.75)  # parts of a turn at which the grip is asked
 SPACING = 0.002  # [m] between places looked at on a way
 COARSE = 0.01  # [m] between those where the grip is asked for
 TURN = math.radians(5.0)  # between clocks at which bars are looked at
@@ -121,14 +121,14 @@ class Rules:
         return np.logical_and.reduceat(good & (~(moves.turns & moves.upper)[which] | in_line), first)
 
     def _bears(self, moves: Moves) -> Array:
-        """Whether the other grip bears the robot on the way, at the clocks before and after."""
+        """Whether the other grip bears the robot on the way, at the clocks before, while it turns and after."""
         which, at, first = moves.ways(COARSE)
-        limit = np.where(moves.turns, 1.0 / SWING, 1.0)[which] + 1e-6
         good = np.ones(len(which), dtype=bool)
-        for ends in (moves.start, moves.end):
-            rows = np.flatnonzero(good & (moves.turns[which] | (ends is moves.start)))
-            standings = np.append(at[rows], ends[which[rows], 2:], axis=1)
-            good[rows] &= self.use(standings, ~moves.upper[which[rows]]) <= limit[rows]
+        for share in TURNING:
+            rows = np.flatnonzero(good & (moves.turns[which] | (share == 0.0)))
+            clocks = moves.start[:, 2:] + share * (moves.end - moves.start)[:, 2:]
+            standings = np.append(at[rows], clocks[which[rows]], axis=1)
+            good[rows] &= self.use(standings, ~moves.upper[which[rows]]) <= 1.0 + 1e-6
         return np.logical_and.reduceat(good, first)
 
     def use(self, standings: Array, upper: Array) -> Array:

@@ -30,7 +30,7 @@ def moved(machine: Machine, rates: float) -> tuple[np.ndarray, ...]:
     ways = np.array([[[0.1, 1.0, 2.0], [-0.1, -1.0, 1.0]]] * 3)
     beta = np.array([0.0, 0.4, -0.3])
     freedoms = np.column_stack((POSES, beta))
-    return freedoms, GRAVITY, np.full((3, 2, 2), [0.03, BOTH]), either_way(quick, POSES, ways, np.arange(3), beta)
+    return freedoms, GRAVITY, np.full((3, 2, 2), [0.03, BOTH]), either_way(quick, POSES, ways).at(np.arange(3), beta)
 
 
 def test_drives_bear_the_weight_and_what_the_ramps_add():
@@ -54,7 +54,7 @@ def test_drives_bear_the_weight_and_what_the_ramps_add():
 def test_weak_cylinders_and_a_weak_servo_are_limits_of_their_own(table: str, name: str, scarce: str):
     run = replace(load_pipe("around"), goal_s=0.12)
     found = {
-        weak: build_lattice(run, Machine.of(changed(ROBOT, table, **{name: weak})), 0.01).scarce
+        weak: build_lattice(run, Machine.of(changed(ROBOT, table, **{name: weak})), 0.01).uses.scarce
         for weak in (0.05, 50.0)
     }
     assert found[0.05] - found[50.0] == {scarce}
@@ -66,7 +66,7 @@ def test_a_plan_counts_weight_inertia_and_reserve():
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     machine = Machine.of(changed(ROBOT, "gait", reserve=0.2, turn_speed=1e-9))
-    moving = either_way(machine, pose, ways, np.array([0]), np.zeros(1))
+    moving = either_way(machine, pose, ways).at(np.array([0]), np.zeros(1))
     used, pushes = uses_alone(machine, still, gravity, feet, moving)[0, :, 0], moving[0]
     holds = ROBOT.gripper.friction * ROBOT.gripper.force * ROBOT.gripper.jaws
     for end in range(2):
@@ -82,7 +82,9 @@ def test_turning_takes_grip_of_its_own():
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     used = [
-        uses_alone(machine, still, gravity, feet, either_way(machine, pose, ways, np.array([0]), np.zeros(1)))[0, 0, 0]
+        uses_alone(machine, still, gravity, feet, either_way(machine, pose, ways).at(np.array([0]), np.zeros(1)))[
+            0, 0, 0
+        ]
         for machine in (Machine.of(changed(ROBOT, "gait", turn_speed=speed)) for speed in (1e-9, 1.0, 2.0))
     ]
     assert used[0] < used[1] < used[2] and used[1] - used[0] > 0.02

@@ -217,6 +217,18 @@ def test_a_load_beyond_the_grip_is_refused_for_friction():
         plan_climb(run, ROBOT, payload_kg=math.nan)
 
 
+@pytest.mark.parametrize(("payload", "servo"), [(0.14, 1.96), (0.0, 0.23)])
+def test_turning_near_a_limit_is_judged_where_the_turn_is(payload: float, servo: float):
+    """Grip, or the servo's torque, within 1 % of what there is: up a vertical pipe a turn changes next to nothing."""
+    run, robot = load_pipe("around"), changed(ROBOT, "build", servo_torque=servo)
+    plan = plan_climb(run, robot, payload)
+    assert plan.complete and faults(plan, run, robot, payload) == []
+
+
+def test_a_servo_too_weak_to_turn_is_what_a_refusal_names():
+    assert "torque of the linkage's servo" in refusal(load_pipe("around"), changed(ROBOT, "build", servo_torque=0.2))
+
+
 def test_the_planar_cross_needs_the_mechanisms_whole_reach_and_tilt():
     run, free = load_pipe("planar-cross"), load_pipe_climber("pipe-climber-cross")
     plan = coarse(run, free)

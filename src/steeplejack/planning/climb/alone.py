@@ -8,6 +8,7 @@ to either side. A plan leaves the reserve of the robot file unused: uses of a gr
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -92,8 +93,45 @@ def ramps(machine: Machine, poses: Array, ways: Array) -> Array:
     return np.append(ways * scale[..., None], np.zeros((*ways.shape[:2], 1)), axis=-1)
 
 
-def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta: Array) -> Inertia:
-    """Inertia of moves that begin or end in poses and turn, either way both: four to try.
+@dataclass(frozen=True)
+class EitherWay:
+    """Inertia of moves that begin or end in poses and turn, along and turning for each, at any turn of the linkage.
+
+    Attributes:
+        lower: `inertia` with the lower gripper holding and beta = 0, (2, j, 6) and (2, j, 4): all that moves turns with
+            the mechanism, and so does the load.
+        upper: With the upper gripper holding and the linkage at 0, a quarter and half a turn: that of the lower
+            gripper, which turns, is ``a + b cos(beta) + c sin(beta)``.
+    """
+
+    lower: Inertia
+    upper: tuple[Inertia, Inertia, Inertia]
+
+    def at(self, which: Indices, beta: Array) -> Inertia:
+        """Either way both, four to try, in states: their poses and turns of the linkage, (k,) [rad]."""
+        ends = self._lower_holds(which, beta), self._upper_holds(which, beta)
+        loads, drives = (np.stack(both, axis=-2) for both in zip(*ends, strict=True))
+        return _signed(*loads), _signed(*drives)
+
+    def _lower_holds(self, which: Indices, beta: Array) -> Inertia:
+        loads, drives = self.lower[0][:, which], self.lower[1][:, which]
+        c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
+        x, y = loads[..., [0, 3]], loads[..., [1, 4]]
+        loads[..., [0, 3]], loads[..., [1, 4]] = x * c - y * s, x * s + y * c
+        return loads, drives
+
+    def _upper_holds(self, which: Indices, beta: Array) -> Inertia:
+        c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
+        middles = ((0.5 * (none + half), none, quarter) for none, quarter, half in zip(*self.upper, strict=True))
+        loads, drives = (
+            middle[:, which] + c * (none - middle)[:, which] + s * (quarter - middle)[:, which]
+            for middle, none, quarter in middles
+        )
+        return loads, drives
+
+
+def either_way(machine: Machine, poses: Array, ways: Array) -> EitherWay:
+    """Inertia of moves that begin or end in poses.
 
     The upper gripper turns with both grippers on one straight only, where x and alpha are 0.
 
@@ -101,41 +139,13 @@ def either_way(machine: Machine, poses: Array, ways: Array, which: Indices, beta
         machine: With its speeds and ramp.
         poses: (x, w, alpha), (j, 3) [m, m, rad].
         ways: How poses change when the upper, and when the lower gripper goes on, (j, 2, 3).
-        which: Pose of each state, (k,).
-        beta: Turn of the linkage in each, (k,) [rad].
     """
     turn = np.zeros((len(poses), 2, 4))
     turn[:, :, 3] = machine.peaks[1]
     turn[np.abs(poses[:, [0, 2]]).max(axis=1) > STRAIGHT, 0] = 0.0
     rates = np.stack((ramps(machine, poses, ways), turn))
-    lower = _lower_holds(machine, poses, rates[:, :, 0], which, beta)
-    upper = _upper_holds(machine, poses, rates[:, :, 1], which, beta)
-    loads, drives = (np.stack(ends, axis=-2) for ends in zip(lower, upper, strict=True))
-    return _signed(*loads), _signed(*drives)
-
-
-def _lower_holds(machine: Machine, poses: Array, rates: Array, which: Indices, beta: Array) -> Inertia:
-    """`inertia` of states (m, k): all that moves turns with the mechanism, and so does the load."""
-    loads, drives = _turned_by(machine, poses, rates, 0.0, 0)
-    c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
-    x, y = loads[:, which][..., [0, 3]], loads[:, which][..., [1, 4]]
-    out = loads[:, which]
-    out[..., [0, 3]], out[..., [1, 4]] = x * c - y * s, x * s + y * c
-    return out, drives[:, which]
-
-
-def _upper_holds(machine: Machine, poses: Array, rates: Array, which: Indices, beta: Array) -> Inertia:
-    """`inertia` of states (m, k): that of the lower gripper, which turns, is ``a + b cos(beta) + c sin(beta)``."""
-    c, s = np.cos(beta)[:, None], np.sin(beta)[:, None]
-    loads, drives = (
-        (0.5 * (none + half))[:, which]
-        + c * (0.5 * (none - half))[:, which]
-        + s * (quarter - 0.5 * (none + half))[:, which]
-        for none, quarter, half in zip(
-            *(_turned_by(machine, poses, rates, turn, 1) for turn in (0.0, 0.5 * np.pi, np.pi)), strict=True
-        )
-    )
-    return loads, drives
+    none, quarter, half = (_turned_by(machine, poses, rates[:, :, 1], beta, 1) for beta in (0.0, 0.5 * np.pi, np.pi))
+    return EitherWay(_turned_by(machine, poses, rates[:, :, 0], 0.0, 0), (none, quarter, half))
 
 
 def _turned_by(machine: Machine, poses: Array, rates: Array, turn: float, end: int) -> Inertia:

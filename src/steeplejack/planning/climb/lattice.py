@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from steeplejack.errors import InputError
-from steeplejack.planning.climb.alone import Kind
 from steeplejack.planning.climb.clocks import near_clocks, wanted_clocks
 from steeplejack.planning.climb.limits import LIMITS, Limit, Machine
 from steeplejack.planning.climb.obstructions import Obstructions, obstructions, unobstructed
 from steeplejack.planning.climb.pairs import Joined, join
 from steeplejack.planning.climb.places import Places, edges, joined_places, passes, places_on
 from steeplejack.planning.climb.solids import Solids, obstacles_of
-from steeplejack.planning.climb.uses import uses_of_states
+from steeplejack.planning.climb.uses import Uses, uses_of_states
 from steeplejack.worksite.pipe_line import Pipe
 from steeplejack.worksite.pipe_run import PipeRun
 
@@ -57,8 +56,7 @@ class Lattice:
         middles: Clock indices allowed halfway to it, (k, 2 grippers, 2); -2 for any clock, -1 for none.
         lower_passes: Open lower gripper turning between clocks, (n, c, b).
         upper_passes: The same of the upper one.
-        uses: What the lower and the upper gripper's holding alone takes, (k, c, b, 2); see `alone.uses_alone`.
-        scarce: Of what some state takes more than there is.
+        uses: What holding alone takes.
         solids: What bars must not meet.
         obstructions: Where they do.
     """
@@ -77,8 +75,7 @@ class Lattice:
     middles: Indices
     lower_passes: Flags
     upper_passes: Flags
-    uses: NDArray[np.float32]
-    scarce: set[Kind]
+    uses: Uses
     solids: Solids
     obstructions: Obstructions
 
@@ -117,7 +114,7 @@ def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
     return Lattice(
         run, machine, step, lower, upper, clocks, near, pairs, joined, sides, ahead, middles,
         _passable(run, machine, lower, clocks, near), _passable(run, machine, upper, clocks, near),
-        *uses_of_states(run, machine, lower, upper, pairs, joined, sides, clocks, near),
+        uses_of_states(run, machine, lower, upper, pairs, joined, sides, clocks, near),
         solids, obstructions(run, machine, solids, lower, pairs, joined, clocks, near),
     )  # fmt: skip
 

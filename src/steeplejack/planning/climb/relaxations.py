@@ -43,7 +43,7 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
     """Relaxations of one limit each that can matter to a run, those of the site last."""
     run, machine, robot = lattice.run, lattice.machine, lattice.machine.robot
     decide = deciding_limits(run, machine, lattice.step)
-    slips = "grip" in lattice.scarce
+    slips = "grip" in lattice.uses.scarce
     turning = len(wanted_clocks(run, machine)) > 1
     bends = any(not part.straight for pipe in run.pipes for part in pipe.parts)
     standing = bool(run.obstacles or run.crossings)
@@ -62,8 +62,8 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
         (turning, _linkage(run, machine)),
         (length, _stroke(run, robot)),
         (standing or steps, _jaws(run, robot, 0.4)),
-        ("force" in lattice.scarce, _force(run, robot)),
-        ("servo" in lattice.scarce, _servo(run, robot)),
+        ("force" in lattice.uses.scarce, _force(run, robot)),
+        ("servo" in lattice.uses.scarce, _servo(run, robot)),
         (length, _size(run, robot)),
         (True, _pipe_end(run, robot)),
         (bends, _bends(run, robot)),

@@ -79,7 +79,7 @@ def _search_once(lattice: Lattice, banned: Indices, starts: Indices) -> tuple[li
     for gripper in range(2):
         have = np.flatnonzero(lattice.ahead[:, gripper] >= 0)
         behind[lattice.ahead[have, gripper], gripper] = have
-    cylinders, gait, tables = machine.robot.cylinders, machine.robot.gait, lattice.obstructions
+    cylinders, gait, tables, uses = machine.robot.cylinders, machine.robot.gait, lattice.obstructions, lattice.uses
     lower, upper = lattice.lower, lattice.upper
     groups = (
         np.searchsorted(pairs[:, 0], np.arange(len(lower.s) + 1)),
@@ -89,8 +89,8 @@ def _search_once(lattice: Lattice, banned: Indices, starts: Indices) -> tuple[li
     times, before, reached = shortest_times(
         (joined.coaxial, lattice.sides, joined.allowed, lengths), (pairs, lattice.ahead, behind, lattice.middles),
         (near, turns),
-        (lattice.uses * np.float32(1.0 - 1e-6), tables.row_of_pair, tables.mechanism, tables.row_of_place,
-         tables.by_upper, tables.by_lower),
+        (uses.of * np.float32(1.0 - 1e-6), uses.kinds, uses.swing_on, uses.swing_off,
+         tables.row_of_pair, tables.mechanism, tables.row_of_place, tables.by_upper, tables.by_lower),
         ((upper.holds, lattice.upper_passes, upper.pipe), (lower.holds, lattice.lower_passes, lower.pipe)),
         groups, banned, starts, goal,
         (cylinders.speed, gait.turn_speed, gait.ramp, 2.0 * machine.robot.gripper.close_time),

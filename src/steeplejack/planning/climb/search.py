@@ -30,18 +30,17 @@ Net = tuple[Indices, Indices, Indices, Indices]
 the one before (k, 2), clocks allowed on the way to the next (k, 2, 2)."""
 Clocks = tuple[Indices, Array]
 """Clocks near each (c, b), -1 for none, and the turn to them (c, b) [rad]."""
-Bars = tuple[Uses, Indices, Flags, Indices, Flags, Flags]
-"""What holding alone takes of the lower and the upper gripper (k, c, b, 2); row of a pair in the next, -1 for none
-(k,); turns in which the mechanism's bars meet something (r, c, b); row of a lower place in the next two (n,); turns of
-the upper, and of the lower gripper in which the linkage's do (q, c, b, b)."""
+Bars = tuple[Uses, Indices, Uses, Uses, Indices, Flags, Indices, Flags, Flags]
+"""What holding alone takes of the lower and the upper gripper (k, c, b, 2); and of `uses.Uses` the kinds and the two
+tables of swings; row of a pair in the next, -1 for none (k,); turns in which the mechanism's bars meet something (r, c,
+b); row of a lower place in the next two (n,); turns of the upper, and of the lower gripper in which the linkage's do
+(q, c, b, b)."""
 Ground = tuple[Flags, Flags, Indices]
 """Of one gripper's places: where it may close (n,), where it passes turning between clocks (n, c, b), which pipe."""
 Groups = tuple[Indices, Indices, Indices]
 """Where the pairs of each lower place begin (n + 1,), where those of each upper place do (m + 1,) in an order (k,)."""
 Pace = tuple[float, float, float, float]
 """Speed of a cylinder [m/s] and of the linkage [rad/s], time from rest to full speed, to open and to close [s]."""
-SWING = 1.0 / math.cos(math.radians(15.0))
-"""By how much more of a grip a turn of 30 degrees may take on its way than at its ends [1]: the use is convex."""
 TIDY = 1e-3
 """Time that a turn counts for beyond what it takes, so that none is made that gains nothing [s/rad]."""
 Heap = Any
@@ -236,7 +235,7 @@ def _travel(lengths: Array, start: int, side: int, end: int, other: int) -> floa
 @njit(cache=True)
 def _stands(pairs: Indices, bars: Bars, pair: Index, upper: Index, slot: Index, gripper: int) -> bool:
     """Whether a state holds with one gripper open: the other's grip suffices and no bar meets anything."""
-    uses, row_of_pair, mechanism, row_of_place, by_upper, _by_lower = bars
+    uses, _kinds, _on, _off, row_of_pair, mechanism, row_of_place, by_upper, _by_lower = bars
     if slot < 0 or uses[pair, upper, slot, gripper] > 1.0:
         return False
     row, place = row_of_pair[pair], row_of_place[pairs[pair, 0]]
@@ -253,11 +252,13 @@ def _turns(
     new_upper: Index, new_lower: Index,
 ) -> bool:  # fmt: skip
     """Whether grip and bars let one gripper (0 upper, 1 lower) turn at a pair, as far as any part of the turn."""
-    uses, row_of_pair, mechanism, row_of_place, by_upper, by_lower = bars
+    uses, kinds, swing_on, swing_off, row_of_pair, mechanism, row_of_place, by_upper, by_lower = bars
     new_slot = _slot(near, new_upper, new_lower)
-    if new_slot < 0 or uses[here, upper, slot, gripper] * SWING > 1.0:
+    if new_slot < 0:
         return False
-    if uses[here, new_upper, new_slot, gripper] * SWING > 1.0:
+    end = new_slot if gripper == 1 else turn
+    swing = swing_on[kinds[here], gripper, upper, slot, end] if kinds[here] >= 0 else swing_off[here]
+    if max(uses[here, upper, slot, gripper], uses[here, new_upper, new_slot, gripper]) * swing > 1.0:
         return False
     row, place = row_of_pair[here], row_of_place[pairs[here, 0]]
     if gripper == 0:

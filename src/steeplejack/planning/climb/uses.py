@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.alone import KINDS, Kind, either_way, uses_alone
+from steeplejack.planning.climb.alone import KINDS, EitherWay, Kind, either_way, uses_alone
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import Joined, poses_at
 from steeplejack.planning.climb.places import Places
+from steeplejack.planning.climb.turns import ALL, GRIPPER, Turns, exceeded, swing, turns_of
 from steeplejack.worksite.pipe_run import PipeRun
 
 Array = NDArray[np.float64]
@@ -22,42 +25,59 @@ NUDGE = 1e-5
 """By how much a gripper goes on to see which way the mechanism moves [m]."""
 
 
+@dataclass(frozen=True)
+class Uses:
+    """What holding alone takes in every state, and how many times that on the way from clock to clock.
+
+    Attributes:
+        of: Of the lower and of the upper gripper, the most of grip, force and torque, by pair, upper clock and lower
+            one near it, (k, c, b, 2); infinite where a pair has no pose at a clock.
+        kinds: Row of each pair on one straight in the next table, -1 for the others, (k,).
+        swing_on: Of turns of the (upper, lower) gripper from upper and lower clock to the clocks near, see
+            `turns.Turns`, (kinds, 2, c, b, b).
+        swing_off: Of the lower gripper's turns of the other pairs, the most of any, (k,).
+        scarce: Of what some state takes more than there is.
+    """
+
+    of: NDArray[np.float32]
+    kinds: Indices
+    swing_on: NDArray[np.float32]
+    swing_off: NDArray[np.float32]
+    scarce: set[Kind]
+
+
 def uses_of_states(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, sides: Indices,
     clocks: Array, near: Indices,
-) -> tuple[NDArray[np.float32], set[Kind]]:  # fmt: skip
-    """What the lower and the upper gripper's holding alone takes, by pair, upper clock and lower one near it.
+) -> Uses:  # fmt: skip
+    """`Uses` of a lattice.
 
-    On one straight it is a convex function of the distance of the grippers, which the weight's moment follows, so
-    that chords between a few distances bound it from above.
-
-    Returns:
-        (k, c, b, 2), the most of grip, force and torque; infinite where a pair has no pose at a clock. And of which
-        some state takes more than there is.
+    On one straight they are interpolated between a few distances of the grippers: from above for grips, whose use is
+    convex in the weight's moment, and for forces within 1e-4 of what there is.
     """
     uses = np.full((len(pairs), *near.shape, 2), np.inf, dtype=np.float32)
-    scarce = _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, uses)
-    wide = near.shape[1]
+    turns = turns_of(clocks, near)
+    kinds, swing_on, scarce = _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, turns, uses)
+    swing_off, below = np.ones(len(pairs), dtype=np.float32), turns.only(turns.gripper == 1)
     for side in range(2):
         rows = np.flatnonzero(~joined.coaxial & joined.allowed[:, side] & (sides[:, side] >= 0))
         if not len(rows):
             continue
-        high = np.repeat(sides[rows, side], wide)
-        low, many = near[sides[rows, side]].ravel(), np.repeat(np.arange(len(rows)), wide)
-        have = np.flatnonzero(low >= 0)
-        slot = np.tile(np.arange(wide), len(rows))[have]
-        high, low, many = high[have], low[have], many[have]
+        at = sides[rows, side]
         poses, ends = joined.poses[rows, side], (lower.only(pairs[rows, 0]), upper.only(pairs[rows, 1]))
-        ways = directions(run, machine, *ends, clocks[sides[rows, side]])
-        found = states(run, machine, *ends, poses, ways, many, clocks[high], clocks[low])
-        uses[rows[many], high, slot] = found.max(axis=-1)
-        scarce |= _scarce(found)
-    return uses, scarce
-
-
-def _scarce(uses: Array) -> set[Kind]:
-    """Of what some of the uses (..., 3) take more than there is."""
-    return {kind for kind, use in zip(KINDS, uses.reshape(-1, len(KINDS)).T, strict=True) if (use > 1.0).any()}
+        ways = directions(run, machine, *ends, clocks[at])
+        judge = partial(states, run, machine, *ends, poses, either_way(machine, poses, ways))
+        which, slot = np.nonzero(near[at] >= 0)
+        found = judge(which, clocks[at[which]], clocks[near[at[which], slot]])
+        uses[rows[which], at[which], slot] = found.max(axis=-1)
+        scarce |= exceeded(found)
+        row, turn = np.nonzero(at[:, None] == below.start[:, 0])
+        pair, one = rows[row], below.only(turn)
+        taken = np.stack([uses[pair, *end.T, 1] for end in (one.start, one.end)], axis=-1).astype(np.float64)
+        more, kinds_of_it = swing(one, row, taken, judge, GRIPPER)
+        np.maximum.at(swing_off, pair, more.astype(np.float32))
+        scarce |= kinds_of_it
+    return Uses(uses, kinds, swing_on, swing_off, scarce)
 
 
 def directions(run: PipeRun, machine: Machine, lower: Places, upper: Places, clocks: Array) -> Array:
@@ -82,7 +102,7 @@ def directions(run: PipeRun, machine: Machine, lower: Places, upper: Places, clo
 
 
 def states(
-    run: PipeRun, machine: Machine, lower: Places, upper: Places, poses: Array, ways: Array, which: Indices,
+    run: PipeRun, machine: Machine, lower: Places, upper: Places, poses: Array, moving: EitherWay, which: Indices,
     high: Array, low: Array,
 ) -> Array:  # fmt: skip
     """`alone.uses_alone` of states (k, 2, 3), whichever way the open gripper moves and turns.
@@ -93,7 +113,7 @@ def states(
         lower: Places of the lower gripper, j of them.
         upper: Those of the upper one.
         poses: (j, 3) [m, m, rad].
-        ways: See `directions`, (j, 2, 3).
+        moving: Inertia in them.
         which: Places and pose of each state, (k,).
         high: Clocks of the upper gripper, (k,) [rad].
         low: Those of the lower one.
@@ -103,15 +123,19 @@ def states(
     c, s = np.cos(low), np.sin(low)
     turned = np.stack((g[:, 0] * c + g[:, 1] * s, g[:, 1] * c - g[:, 0] * s, g[:, 2]), axis=-1)
     feet = np.stack((lower.footing, upper.footing), axis=1)[which]
-    moving = either_way(machine, poses, ways, which, beta)
-    return uses_alone(machine, np.append(poses[which], beta[:, None], axis=1), turned, feet, moving)
+    freedoms = np.append(poses[which], beta[:, None], axis=1)
+    return uses_alone(machine, freedoms, turned, feet, moving.at(which, beta))
 
 
 def _on_straights(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, clocks: Array,
-    near: Indices, uses: NDArray[np.float32],
-) -> set[Kind]:  # fmt: skip
-    """Fill in the states of coaxial pairs, straight by straight and footing by footing; see `uses_of_states`."""
+    near: Indices, turns: Turns, uses: NDArray[np.float32],
+) -> tuple[Indices, NDArray[np.float32], set[Kind]]:  # fmt: skip
+    """Fill in the states of coaxial pairs, straight by straight and footing by footing.
+
+    Returns:
+        ``kinds``, ``swing_on`` and ``scarce`` of `Uses`.
+    """
     scarce = set[Kind]()
     ends = (lower.only(pairs[:, 0]), upper.only(pairs[:, 1]))
     columns = [column for end in ends for column in (end.pipe, _part(run, end), *end.footing.T)]
@@ -120,28 +144,37 @@ def _on_straights(
     low = near[high, slot]
     ways = np.zeros((GAPS, 2, 3))
     ways[:, 0, 1], ways[:, 1, 1] = 1.0, -1.0
-    kinds, kind_of = np.unique(keys, axis=0, return_inverse=True)
-    for number in range(len(kinds)):
-        rows = np.flatnonzero(joined.coaxial & (kind_of.ravel() == number))
-        if not len(rows):
-            continue
+    each, kind_of = np.unique(keys[joined.coaxial], axis=0, return_inverse=True)
+    kinds = np.full(len(pairs), -1, dtype=np.int64)
+    kinds[joined.coaxial] = kind_of.ravel()
+    swings = np.ones((len(each), 2, *near.shape, near.shape[1]), dtype=np.float32)
+    for number in range(len(each)):
+        rows = np.flatnonzero(kinds == number)
         gaps = joined.poses[rows, 0, 1]
         knots = np.linspace(gaps.min(), gaps.max() + 1e-12, GAPS)
         poses = np.zeros((GAPS, 3))
         poses[:, 1] = knots
         count = len(high)
         pair = np.full(GAPS, rows[0])
-        table = states(
-            run, machine, ends[0].only(pair), ends[1].only(pair), poses, ways, np.repeat(np.arange(GAPS), count),
-            np.tile(clocks[high], GAPS), np.tile(clocks[low], GAPS),
-        ).reshape(GAPS, count, 2, len(KINDS))  # fmt: skip
-        scarce |= _scarce(table)
+        judge = partial(
+            states, run, machine, ends[0].only(pair), ends[1].only(pair), poses, either_way(machine, poses, ways)
+        )
+        every = np.repeat(np.arange(GAPS), count), np.tile(clocks[high], GAPS), np.tile(clocks[low], GAPS)
+        table = judge(*every).reshape(GAPS, count, 2, len(KINDS))
         at = np.clip((gaps - knots[0]) / (knots[1] - knots[0]), 0.0, GAPS - 1.0)
         below = np.minimum(at.astype(np.int64), GAPS - 2)
         share = (at - below)[:, None, None]
         most = table.max(axis=-1)
         uses[rows[:, None], high[None], slot[None]] = (1.0 - share) * most[below] + share * most[below + 1]
-    return scarce
+        dense = np.full((GAPS, *near.shape, 2), np.inf)
+        dense[:, high, slot] = most
+        taken = np.stack([dense[:, *end.T, turns.gripper].ravel() for end in (turns.start, turns.end)], axis=-1)
+        gap, turn = np.divmod(np.arange(len(taken)), max(len(turns.slot), 1))
+        more, kinds_of_it = swing(turns.only(turn), gap, taken, judge, ALL)
+        where = number, turns.gripper, *turns.start.T, turns.slot
+        swings[where] = more.reshape(GAPS, -1).max(axis=0)
+        scarce |= exceeded(table) | kinds_of_it
+    return kinds, swings, scarce
 
 
 def _part(run: PipeRun, places: Places) -> Indices:
