@@ -64,7 +64,7 @@ def turns_of(clocks: Array, near: Indices) -> Turns:
     reached = near[upper, to]
     same = near[reached] == low[:, None]  # of the upper clock turned to, which slot is the lower one's
     ends = np.stack((reached, same.argmax(axis=1)), axis=-1)
-    turned, kept = (to > 0) & same.any(axis=1), to != slot
+    turned, kept = (to > 0) & same.any(axis=1), (to != slot) & (near[low] == reached[:, None]).any(axis=1)
     start, zero = np.stack((upper, slot), axis=-1), np.zeros(len(upper))
     begun = np.stack((clocks[upper], clocks[low]), axis=-1)
     first, second = np.zeros(len(upper), dtype=np.int64), np.ones(len(upper), dtype=np.int64)
