@@ -79,6 +79,6 @@ def near_clocks(clocks: Array, limit: float) -> Indices:
     return near
 
 
-def turned(clocks: Array, start: int, end: int) -> float:
-    """The short way from one clock to another [rad]."""
-    return float((clocks[end] - clocks[start] + math.pi) % (2.0 * math.pi) - math.pi)
+def turned(clocks: Array, start: Indices | int, end: Indices | int) -> Array:
+    """The short way from clocks to others, each by its number [rad]."""
+    return (clocks[end] - clocks[start] + math.pi) % (2.0 * math.pi) - math.pi

@@ -156,7 +156,7 @@ def _standings(lattice: Lattice, path: list[int]) -> tuple[Standing, ...]:
         side = 0 if coaxial else int(np.flatnonzero((lattice.sides[pair] == upper) & lattice.joined.allowed[pair])[0])
         before = found[-1].upper_clock if found else lattice.run.start_clock
         upper_clock = before + float((lattice.clocks[upper] - before + np.pi) % (2.0 * np.pi) - np.pi)
-        lower_clock = upper_clock + turned(lattice.clocks, upper, lower)
+        lower_clock = upper_clock + float(turned(lattice.clocks, upper, lower))
         x, w, alpha = lattice.joined.poses[pair, side].tolist()
         found.append(
             Standing(

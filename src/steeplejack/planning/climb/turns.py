@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from steeplejack.planning.climb.alone import KINDS, Kind
+from steeplejack.planning.climb.clocks import turned
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -64,19 +65,15 @@ def turns_of(clocks: Array, near: Indices) -> Turns:
     reached = near[upper, to]
     same = near[reached] == low[:, None]  # of the upper clock turned to, which slot is the lower one's
     ends = np.stack((reached, same.argmax(axis=1)), axis=-1)
-    turned, kept = (to > 0) & same.any(axis=1), (to != slot) & (near[low] == reached[:, None]).any(axis=1)
+    up, down = (to > 0) & same.any(axis=1), (to != slot) & (near[low] == reached[:, None]).any(axis=1)
     start, zero = np.stack((upper, slot), axis=-1), np.zeros(len(upper))
     begun = np.stack((clocks[upper], clocks[low]), axis=-1)
     first, second = np.zeros(len(upper), dtype=np.int64), np.ones(len(upper), dtype=np.int64)
     there = np.stack((upper, to), axis=-1)
-    upwards = Turns(first, start, ends, to, begun, np.stack((_short(clocks, upper, reached), zero), axis=-1))
-    downwards = Turns(second, start, there, to, begun, np.stack((zero, _short(clocks, low, reached)), axis=-1))
-    both = upwards.only(turned), downwards.only(kept)
+    upwards = Turns(first, start, ends, to, begun, np.stack((turned(clocks, upper, reached), zero), axis=-1))
+    downwards = Turns(second, start, there, to, begun, np.stack((zero, turned(clocks, low, reached)), axis=-1))
+    both = upwards.only(up), downwards.only(down)
     return Turns(*(np.concatenate([getattr(one, name) for one in both]) for name in Turns.__dataclass_fields__))
-
-
-def _short(clocks: Array, start: Indices, end: Indices) -> Array:
-    return (clocks[end] - clocks[start] + math.pi) % (2.0 * math.pi) - math.pi
 
 
 def swing(turns: Turns, which: Indices, ends: Array, judge: Judge, moving: float) -> tuple[Array, set[Kind]]:
