@@ -16,6 +16,7 @@ from PIL import Image
 from steeplejack.errors import InputError
 from steeplejack.report.climb import film_of, is_climb, read_climb, summarise, write_climb_report
 from steeplejack.report.climb import page as pages
+from steeplejack.report.climb.analysis import Least
 from steeplejack.robots.pipe_climber import load_pipe_climber
 from steeplejack.runtime.climb_record import (
     ClimbSample,
@@ -48,10 +49,12 @@ def sample(time: float) -> ClimbSample:
     up = time < 3.0
     w = 0.15 + 0.05 * (time / 3.0 if up else 2.0 - time / 3.0)
     at = (0.0, w, 0.0, 0.0)
+    closing = abs(time - 3.0) < 1e-6
+    margins = (0.05, None) if closing else (0.2, None) if up else (None, 0.15)
     return ClimbSample(
-        time_s=time, phase=0 if up else 2, act="move", closed=(up, not up), reference=at, actual=at,
-        lengths_m=(w, w, w), speeds_m_s=(0.017, 0.017, 0.017), forces_n=(4.0, 4.0, -1.0), max_force_n=5.0,
-        grip_n=(40.0 * up, 40.0 * (not up)), margin=(0.2, None) if up else (None, 0.15), slip_m=(0.0, 0.0),
+        time_s=time, phase=0 if up else 2, act="close" if closing else "move", closed=(up, not up),
+        reference=at, actual=at, lengths_m=(w, w, w), speeds_m_s=(0.017, 0.017, 0.017),
+        forces_n=(4.0, 4.0, -1.0), max_force_n=5.0, grip_n=(40.0 * up, 40.0 * (not up)), margin=margins, slip_m=(0.0, 0.0),
         lower_m=(0.0, 0.0, 0.05), upper_m=(0.0, 0.0, 0.05 + w), travelled_m=0.05 * share, energy_j=share, collisions=0,
     )  # fmt: skip
 
@@ -91,7 +94,9 @@ def test_figures_are_those_of_the_log(tmp_path: Path) -> None:
     assert found.summary.distance_m == pytest.approx(0.05) and found.summary.steps == 1
     assert found.summary.mean_speed_mm_s == pytest.approx(50.0 / 6.0)
     assert found.summary.max_actuator_force_n == 5.0
-    assert found.summary.min_friction_margin == 0.15 and found.margin_at[1:] == (1, "move")
+    assert found.summary.min_friction_margin == 0.05 and found.summary.min_friction_margin_moving == 0.15
+    assert found.least == Least(0.05, pytest.approx(3.0), 0, "close")
+    assert found.least_moving == Least(0.15, pytest.approx(3.1), 1, "move")
     assert found.largest_error == (4e-4, 1e-3)
     cylinders, grip = ROBOT.cylinders, ROBOT.gripper.close_time
     assert found.bound == pytest.approx(cylinders.stroke / (2 * cylinders.stroke / cylinders.speed + 4 * grip))

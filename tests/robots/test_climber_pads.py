@@ -10,11 +10,12 @@ import msgspec
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
 
 from steeplejack.errors import InputError
 from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
 from steeplejack.robots.pipe_climber.grippers import free_gripper
-from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, pad_clock, pad_row
+from steeplejack.robots.pipe_climber.pads import EDGES, grip_body, grip_use, pad_clock, pad_row, pad_wrenches
 from steeplejack.robots.pipe_climber.statics import friction_needed
 from steeplejack.robots.pipe_climber.weights import first_moments, grip_loads
 
@@ -62,6 +63,31 @@ def test_tilting_alone_is_borne_by_pads_at_both_ends():
     assert float(grip_use(grip_body(smooth, RADIUS), [0.0, most, 0.0, 0.0, 0.0, 0.0])) == pytest.approx(1.0, rel=1e-6)
     assert float(grip_use(BODY, [0.0, most, 0.0, 0.0, 0.0, 0.0])) < 1.0
     assert float(grip_use(grip_body(smooth, RADIUS), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0])) > 1e3
+
+
+def test_pads_that_stand_askew_give_what_they_gave_turned(rng: np.random.Generator):
+    """About the jaws' way, which leaves what they press with as it is; pyramids then turn in their cones, 2 %."""
+    phi, row, edges = pad_clock(ROBOT, RADIUS), pad_row(ROBOT), 64
+    signs = np.array(np.meshgrid([1.0, -1.0], [1.0, -1.0], [1.0, -1.0])).reshape(3, -1)
+    jaws = signs[0]
+    normals = np.stack((jaws * math.cos(phi), signs[1] * math.sin(phi), 0.0 * jaws), axis=-1)
+    places = RADIUS * normals + row * np.outer(signs[2], [0.0, 0.0, 1.0])
+    press = ROBOT.gripper.jaws * ROBOT.gripper.force * math.cos(phi)
+    loads = rng.normal(size=(20, 6)) * [0.5, 0.5, 0.5, 8.0, 8.0, 8.0]
+    alike = grip_use(pad_wrenches(places, normals, jaws, ROBOT.gripper.friction, press), loads)
+    np.testing.assert_allclose(alike, grip_use(BODY, loads), rtol=1e-9)
+    turn = Rotation.from_rotvec([0.4, 0.0, 0.0]).as_matrix()
+    straight = pad_wrenches(places, normals, jaws, ROBOT.gripper.friction, press, edges)
+    askew = pad_wrenches(places @ turn.T, normals @ turn.T, jaws, ROBOT.gripper.friction, press, edges)
+    turned = np.concatenate((loads[:, :3] @ turn.T, loads[:, 3:] @ turn.T), axis=1)
+    np.testing.assert_allclose(grip_use(askew, turned), grip_use(straight, loads), rtol=2.0 * (math.pi / edges) ** 2)
+
+
+def test_edges_along_which_a_pad_jams_are_left_out():
+    """A pad at 45 degrees from its jaw's way jams where friction draws it in more than its push moves it out."""
+    place, normal = np.array([[0.02, 0.02, 0.0]]), math.sqrt(0.5) * np.array([[1.0, 1.0, 0.0]])
+    for friction, left in ((0.9, EDGES), (1.05, EDGES - 1)):
+        assert len(pad_wrenches(place, normal, np.ones(1), friction, 1.0)) == left
 
 
 def test_loads_are_the_weight_at_the_middle_of_mass(rng: np.random.Generator):

@@ -128,17 +128,25 @@ def _climbed(session: ClimbSession, pictures: bool, video: bool, out: Path) -> t
 
 def show_summary(answer: dict[str, Any]) -> None:
     """Print the answer of ``climb`` for a person."""
-    left, way = answer["min_friction_margin"], answer["distance_m"]
+    way = answer["distance_m"]
     back = round(-1e3 * way)
     rows = {
         "climbed": f"nothing: slid back {back} mm" if back > 0 else f"{way:z.3f} m in {_counted(answer['steps'])}",
         "duration": f"{answer['duration_s']:.1f} s, {answer['mean_speed_mm_s']:.2f} mm/s on average",
         "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
         "least transmission": f"{answer['min_transmission']:.3f}",
-        "least friction left": "not measured" if left is None else f"{left:.3f}",
+        "least friction left": _left(answer["min_friction_margin_moving"], answer["min_friction_margin"]),
         "collisions": answer["collisions"],
         "log": answer["log"],
         "report": answer["report"],
     } | {name: answer[name] for name in ("video",) if name in answer}
     for name, value in rows.items():
         print(f"{name:<24}{value}")
+
+
+def _left(moving: float | None, least: float | None) -> str:
+    """Friction left, while one gripper moves the robot and for a moment when that is less."""
+    if least is None:
+        return "not measured"
+    told = "" if moving is None else f"{moving:.3f} while moving"
+    return told if least == moving else ", ".join(filter(None, (told, f"{least:.3f} as grips change")))

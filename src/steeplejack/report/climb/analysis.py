@@ -18,7 +18,8 @@ class ClimbSummary(msgspec.Struct, frozen=True):
     """What the command answers; keys are a contract.
 
     Distance is that of the robot's middle along its own axis, below 0 where it slid back. The mean speed is one of
-    climbing: 0 for a robot that ended no further than it began.
+    climbing: 0 for a robot that ended no further than it began. The least friction left is that of all samples; while
+    one gripper moves the robot it is apart, for what grippers rub each other with as they change lasts a moment.
     """
 
     distance_m: float
@@ -28,7 +29,25 @@ class ClimbSummary(msgspec.Struct, frozen=True):
     max_actuator_force_n: float
     min_transmission: float
     min_friction_margin: float | None
+    min_friction_margin_moving: float | None
     collisions: int
+
+
+@dataclass(frozen=True)
+class Least:
+    """Where least friction was left.
+
+    Attributes:
+        margin: What was [1].
+        time: When [s].
+        gripper: Index of the gripper.
+        act: What was being done.
+    """
+
+    margin: float
+    time: float
+    gripper: int
+    act: str
 
 
 @dataclass(frozen=True)
@@ -39,7 +58,8 @@ class ClimbAnalysis:
         summary: Of the whole run.
         transmission: Local transmission index at every sample (n,) [1].
         bound: Mean speed that stroke, speed and close time allow on a straight pipe [m/s].
-        margin_at: When least friction was left, index of the gripper, and what was being done.
+        least: Friction left at any time; None if no gripper was counted on.
+        least_moving: While one gripper moved the robot.
         largest_error: At the moments of gripping [m, rad].
         energy: Put in by cylinders and servo [J].
     """
@@ -47,7 +67,8 @@ class ClimbAnalysis:
     summary: ClimbSummary
     transmission: Array
     bound: float
-    margin_at: tuple[float, int, str]
+    least: Least | None
+    least_moving: Least | None
     largest_error: tuple[float, float]
     energy: float
 
@@ -65,9 +86,7 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
     transmission = local_transmission(log.layout, samples.actual[:, :3])
     duration = float(samples.time[-1] if log.end is None else log.end.duration_s)
     distance = float(samples.travelled[-1])
-    counted = np.where(np.isnan(samples.margin), np.inf, samples.margin)
-    row, gripper = np.unravel_index(int(np.argmin(counted)), counted.shape)
-    least = float(counted[row, gripper])
+    least, moving = _least(log), _least(log, "move")
     summary = ClimbSummary(
         distance_m=distance,
         steps=_steps(log),
@@ -75,7 +94,8 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
         mean_speed_mm_s=max(1e3 * distance / duration, 0.0) if duration > 0.0 else 0.0,
         max_actuator_force_n=float(samples.strongest.max()),
         min_transmission=float(transmission.min()),
-        min_friction_margin=least if np.isfinite(least) else None,
+        min_friction_margin=least.margin if least else None,
+        min_friction_margin_moving=moving.margin if moving else None,
         collisions=int(samples.collisions[-1]),
     )
     errors = [(one.error_m, one.error_rad) for one in log.grips] or [(np.nan, np.nan)]
@@ -83,10 +103,22 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
         summary,
         transmission,
         speed_bound(log),
-        (float(samples.time[row]), int(gripper), str(samples.act[row])),
+        least,
+        moving,
         (max(one[0] for one in errors), max(one[1] for one in errors)),
         float(samples.energy[-1]),
     )
+
+
+def _least(log: ClimbLog, act: str | None = None) -> Least | None:
+    """Where least friction was left, of all samples or of those of one act."""
+    samples = log.samples
+    counted = np.where(np.isnan(samples.margin), np.inf, samples.margin)
+    if act is not None:
+        counted[samples.act != act] = np.inf
+    row, gripper = np.unravel_index(int(np.argmin(counted)), counted.shape)
+    least = float(counted[row, gripper])
+    return Least(least, float(samples.time[row]), int(gripper), str(samples.act[row])) if np.isfinite(least) else None
 
 
 def _steps(log: ClimbLog) -> int:

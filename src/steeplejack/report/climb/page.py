@@ -6,7 +6,7 @@ import math
 from base64 import b64encode
 from pathlib import Path
 
-from steeplejack.report.climb.analysis import ClimbAnalysis, ClimbSummary, summarise
+from steeplejack.report.climb.analysis import ClimbAnalysis, ClimbSummary, Least, summarise
 from steeplejack.report.climb.figures import loads_figure, mechanism_figure, progress_figure
 from steeplejack.report.climb.log import ClimbLog, read_climb
 from steeplejack.report.html import Markup, document, element, figure, folded, section, table, terms
@@ -20,7 +20,7 @@ STRIP = (
 )
 
 DOING = {"move": "while it moves the robot", "close": "while the other one closes", "open": "while the other one opens",
-         "close both": "while both close after a slip"}  # fmt: skip
+         "shift the load": "while the load shifts", "close both": "while both close after a slip"}  # fmt: skip
 
 
 def write_climb_report(log_path: Path, out_path: Path) -> ClimbSummary:
@@ -85,9 +85,8 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
     """The key figures."""
     summary = analysis.summary
     away, turned = analysis.largest_error
-    when, gripper, act = analysis.margin_at
-    least = math.nan if summary.min_friction_margin is None else summary.min_friction_margin
-    where = f"{('lower', 'upper')[gripper]} gripper, {clock(when)}, {DOING.get(act, act)}"
+    moving, least = analysis.least_moving, analysis.least
+    changing = "" if least is None or least == moving else f"; {number(least.margin, 2)} {_where(least)}"
     steps = f"in {summary.steps} step{'' if summary.steps == 1 else 's'}"
     way = number(abs(1e3 * summary.distance_m), 0)
     back = summary.distance_m < 0.0 and way != "0"
@@ -99,7 +98,8 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
         ("share of the bound", number(_share(analysis), 0), "%", bound),
         ("energy", number(analysis.energy, 1), "J", "put in by cylinders and servo"),
         ("largest force", number(summary.max_actuator_force_n), "N", "of a cylinder"),
-        ("least friction left", number(least, 2), "", where),
+        ("least friction left", number(moving.margin if moving else math.nan, 2), "",
+         (_where(moving) if moving else "nothing moved") + changing),
         ("least transmission", number(summary.min_transmission, 2), "", "local index, along the climb"),
         ("pose error at gripping", number(1e3 * away, 2), "mm", missed),
     )  # fmt: skip
@@ -117,6 +117,10 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
         ),
         cls="tiles",
     )
+
+
+def _where(least: Least) -> str:
+    return f"{DOING.get(least.act, least.act)}, {('lower', 'upper')[least.gripper]} gripper, {clock(least.time)}"
 
 
 def _share(analysis: ClimbAnalysis) -> float:

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 EDGES = 16
 """Edges of the pyramids inside the friction cones; along and around the pipe they touch it, else 2 % are lost."""
+JAM = 1e-3
+"""Share of a pad's push that acts along the jaws' way, below which the pad jams rather than slides [1]."""
 INSET = 1.5
 """How far the middle of a pad lies inside the end of its jaw, in radii of the pad [1]."""
 ARTIFICIAL = 1e4
@@ -93,19 +95,41 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH) -> Array:
     if not friction < most:
         valid = f"below {most:.4g}, where pads jam on a pipe of {2e3 * radius:g} mm"
         raise InputError("friction", f"{friction:g}", valid)
-    edge = 2.0 * math.pi * np.arange(EDGES) / EDGES
     ends = {BOTH: (1.0, -1.0), FIRST: (-1.0,), LAST: (1.0,)}[rows]
-    points = np.empty((4 * len(ends), EDGES, 6))
-    jaws = robot.gripper.jaws * robot.gripper.force * math.cos(phi)
-    corners = [(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in ends]
-    for k, (jaw, side, end) in enumerate(corners):
-        normal = np.array([jaw * math.cos(phi), side * math.sin(phi), 0.0])
-        around, along = np.array([-normal[1], normal[0], 0.0]), np.array([0.0, 0.0, 1.0])
-        forces = normal + friction * (np.cos(edge)[:, None] * around + np.sin(edge)[:, None] * along)
-        place = radius * normal + np.array([0.0, 0.0, end * row])
-        wrenches = np.concatenate((np.cross(place, forces), forces), axis=-1)
-        points[k] = jaws * wrenches / (jaw * forces[:, :1])
-    return points.reshape(-1, 6)
+    corners = np.array([(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in ends])
+    jaw, side, end = corners.T
+    normals = np.stack((jaw * math.cos(phi), side * math.sin(phi), np.zeros(len(jaw))), axis=-1)
+    places = radius * normals + np.stack((0.0 * end, 0.0 * end, end * row), axis=-1)
+    return pad_wrenches(places, normals, jaw, friction, robot.gripper.jaws * robot.gripper.force * math.cos(phi))
+
+
+def pad_wrenches(
+    places: Array, normals: Array, jaws: Array, friction: ArrayLike, press: float, edges: int = EDGES
+) -> Array:
+    """Corners of the set of wrenches that pads give wherever they stand.
+
+    Args:
+        places: Of the contacts, in the gripper's frame (k, 3) [m].
+        normals: Of the pipe's surface there, outward (k, 3) [1].
+        jaws: 1 for a pad of the jaw at +X, -1 for one of the other (k,).
+        friction: Of each contact, or of all [1].
+        press: What both jaws together press with along their way [N].
+        edges: Of the pyramids inside the friction cones.
+
+    Returns:
+        At most (k x edges, 6), (moment; force) at the gripper's middle in its frame [N m, N]; an edge along which a
+        pad would jam is left out.
+    """
+    angle = 2.0 * math.pi * np.arange(edges) / edges
+    around = np.cross((0.0, 0.0, 1.0), normals)
+    around /= np.linalg.norm(around, axis=-1, keepdims=True)
+    along = np.cross(normals, around)
+    rubbed = np.cos(angle)[:, None] * around[:, None] + np.sin(angle)[:, None] * along[:, None]
+    forces = normals[:, None] + np.broadcast_to(friction, jaws.shape)[:, None, None] * rubbed
+    wrenches = np.concatenate((np.cross(places[:, None], forces), forces), axis=-1)
+    pressed = jaws[:, None] * forces[..., 0]
+    holds = pressed > JAM
+    return press * wrenches[holds] / pressed[holds][:, None]
 
 
 def grip_use(body: Array, loads: ArrayLike) -> Array:

@@ -188,7 +188,7 @@ class ClimbRun:
         for end in np.flatnonzero(fresh):
             self._watch.gripped(self.time, index, course.phase, int(end), pose, measured)
         if self._steps % SAMPLE_EVERY == 0:
-            self._watch.sample(self.time, index, course.phase, course.act, closed, pose, measured, status)
+            self._watch.sample(self.time, index, course.act, closed, pose, measured, status)
             step(self.time)
         outcome = self._judge(course, status, closed)
         if outcome is not None:
@@ -270,5 +270,5 @@ class ClimbRun:
             self._plant.advance(self._substeps)
             self._steps += 1
             if self._steps % SAMPLE_EVERY == 0:
-                self._watch.sample(self.time, index, course.phase, course.act, (True, True), pose, measured, status)
+                self._watch.sample(self.time, index, course.act, (True, True), pose, measured, status)
                 step(self.time)

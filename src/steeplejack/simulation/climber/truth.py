@@ -14,6 +14,23 @@ ENDS = ("lower", "upper")
 
 
 @dataclass(frozen=True)
+class Contacts:
+    """Where the pads of a gripper touch a pipe, in the gripper's frame.
+
+    Attributes:
+        places: (k, 3) [m].
+        normals: Of the pipe's surface, outward (k, 3) [1].
+        jaws: 1 on the jaw at +X, -1 on the other (k,).
+        friction: (k,) [1].
+    """
+
+    places: Array
+    normals: Array
+    jaws: Array
+    friction: Array
+
+
+@dataclass(frozen=True)
 class Truth:
     """Where everything is and what presses on what.
 
@@ -24,6 +41,7 @@ class Truth:
         normal: Sum of the pads' normal forces of each gripper (2,) [N].
         press: What the jaws of each press with along their way, both together (2,) [N].
         wrench: Of the pipe on each gripper through its pads, (moment; force) in its frame (2, 6) [N m, N].
+        pads: Where those of each touch.
         touching: Pairs of geoms that touch and should not.
     """
 
@@ -33,6 +51,7 @@ class Truth:
     normal: Array
     press: Array
     wrench: Array
+    pads: tuple[Contacts, Contacts]
     touching: tuple[tuple[str, str], ...]
 
 
@@ -74,26 +93,32 @@ class Eyes:
         gripper = self._gripper[geoms].max(axis=1)
         wrong = (gripper < 0) | self._obstacle[geoms].any(axis=1)
         touching = tuple((self._names[a], self._names[b]) for a, b in geoms[wrong])
-        borne = [self._borne(pressing[~wrong & (gripper == end)], frames[end]) for end in range(2)]
-        normal, press, wrench = (np.array(each) for each in zip(*borne, strict=True))
+        held = [self._held(pressing[~wrong & (gripper == end)], frames[end]) for end in range(2)]
+        borne = [_borne(pads, force) for pads, force, _normal in held]
+        normal = np.array([float(pushed.sum()) for _pads, _force, pushed in held])
+        press, wrench = (np.array(each) for each in zip(*borne, strict=True))
         lower, upper = (_transform(frame) for frame in frames)
         forces = self._data.actuator_force[:3].copy()
-        return Truth(lower, upper, forces, normal, press, wrench, touching)
+        return Truth(lower, upper, forces, normal, press, wrench, (held[0][0], held[1][0]), touching)
 
-    def _borne(self, contacts: NDArray[np.int64], frame: Array) -> tuple[float, float, Array]:
-        """What the pads of a gripper press with and bear: normal forces, along the jaws' way, wrench."""
-        if not len(contacts):
-            return 0.0, 0.0, np.zeros(6)
+    def _held(self, contacts: NDArray[np.int64], frame: Array) -> tuple[Contacts, Array, Array]:
+        """Where pads of a gripper touch, the forces on them in its frame (k, 3) and the normal ones (k,) [N]."""
         contact = self._data.contact
         geoms, address = contact.geom[contacts], contact.efc_address[contacts]
         force = self._data.efc_force[address[:, None] + np.arange(3)]  # elliptic cones: along the axes
         pad = np.where(self._gripper[geoms[:, 1]] >= 0, geoms[:, 1], geoms[:, 0])
-        pushed = np.where(pad == geoms[:, 1], 1.0, -1.0)  # the force is that on the second geom
+        pushed = np.where(pad == geoms[:, 1], 1.0, -1.0)[:, None]  # the force is that on the second geom
         turn = frame[3:].reshape(3, 3)  # columns are the gripper's axes
-        axes, arms = contact.frame[contacts].reshape(-1, 3, 3), (contact.pos[contacts] - frame[:3]) @ turn
-        pads = pushed[:, None] * np.einsum("ck,ckj->cj", force, axes) @ turn
-        wrench = np.concatenate((np.cross(arms, pads).sum(axis=0), pads.sum(axis=0)))
-        return float(force[:, 0].sum()), float(self._side[pad] @ pads[:, 0]), wrench
+        axes = pushed[:, None] * (contact.frame[contacts].reshape(-1, 3, 3) @ turn)
+        places = (contact.pos[contacts] - frame[:3]) @ turn
+        pads = Contacts(places, axes[:, 0], self._side[pad], contact.friction[contacts, 0])
+        return pads, np.einsum("ck,ckj->cj", force, axes), force[:, 0]
+
+
+def _borne(pads: Contacts, forces: Array) -> tuple[float, Array]:
+    """What a gripper's jaws press with along their way, and the wrench its pads bear."""
+    wrench = np.concatenate((np.cross(pads.places, forces).sum(axis=0), forces.sum(axis=0)))
+    return float(pads.jaws @ forces[:, 0]), wrench
 
 
 def _transform(frame: Array) -> Array:

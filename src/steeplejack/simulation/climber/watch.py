@@ -14,8 +14,8 @@ from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import pad_row
 from steeplejack.runtime.climb_record import ClimbSample, GripRecord, pair, pose_record, triple
 from steeplejack.runtime.recorder import Picture, Recorder
-from steeplejack.simulation.climber.friction_left import FrictionLeft
-from steeplejack.simulation.climber.pipe import frame_at, resting
+from steeplejack.simulation.climber.friction_left import friction_left
+from steeplejack.simulation.climber.pipe import frame_at
 from steeplejack.simulation.climber.plant import ClimberPlant
 from steeplejack.simulation.climber.reference import Array
 from steeplejack.simulation.climber.truth import ENDS, Truth
@@ -36,7 +36,6 @@ class Watch:
 
     def __init__(self, plant: ClimberPlant, run: PipeRun, recorder: Recorder | None) -> None:
         self._plant, self._run, self._recorder = plant, run, recorder
-        self._left = FrictionLeft(plant.robot, plant.friction)
         self.collisions, self.travelled = 0, 0.0
         self.samples: list[ClimbSample] = []
         self.grips: list[GripRecord] = []
@@ -44,7 +43,6 @@ class Watch:
         self._lengths, self._at = plant.measure().lengths, 0.0
         truth = plant.truth()
         self._middle = 0.5 * (truth.lower[:3, 3] + truth.upper[:3, 3])
-        self._resting: dict[int, tuple[Array, tuple[int, int]]] = {}  # by phase
         self._ends, self._speed = np.stack((truth.lower[:3, 3], truth.upper[:3, 3])), 0.0
         self.picture: Callable[[float], Picture | None] = lambda _time: None
         self.look: Callable[[float], None] = lambda _time: None
@@ -83,7 +81,6 @@ class Watch:
         self,
         at: float,
         index: int,
-        phase: Phase,
         act: Act,
         closed: tuple[bool, bool],
         pose: Array,
@@ -116,7 +113,7 @@ class Watch:
             forces_n=triple(truth.forces),
             max_force_n=float(self._plant.strongest()),
             grip_n=pair(measured.grip),
-            margin=self._margins(truth, index, phase, status.held),
+            margin=_margins(truth, status.held),
             slip_m=pair(status.slip),
             lower_m=triple(truth.lower[:3, 3]),
             upper_m=triple(truth.upper[:3, 3]),
@@ -133,13 +130,12 @@ class Watch:
             if picture is not None:
                 self._recorder.write("/camera", picture, at)
 
-    def _margins(self, truth: Truth, index: int, phase: Phase, held: Flags) -> tuple[float | None, float | None]:
-        """Friction left to each gripper that is counted on; None of the others."""
-        if index not in self._resting:
-            self._resting[index] = resting(self._run, phase, self._plant.robot)
-        left = self._left(truth, *self._resting[index])
-        lower, upper = (float(left[i]) if held[i] and np.isfinite(left[i]) else None for i in range(2))
-        return lower, upper
+
+def _margins(truth: Truth, held: Flags) -> tuple[float | None, float | None]:
+    """Friction left to each gripper that is counted on; None of the others."""
+    left = friction_left(truth)
+    lower, upper = (float(left[i]) if held[i] and np.isfinite(left[i]) else None for i in range(2))
+    return lower, upper
 
 
 def _pose_of(truth: Truth, claw_offset: float) -> Array:
