@@ -54,8 +54,9 @@ def sample(time: float) -> ClimbSample:
     return ClimbSample(
         time_s=time, phase=0 if up else 2, act="close" if closing else "move", closed=(up, not up),
         reference=at, actual=at, lengths_m=(w, w, w), speeds_m_s=(0.017, 0.017, 0.017),
-        forces_n=(4.0, 4.0, -1.0), max_force_n=5.0, grip_n=(40.0 * up, 40.0 * (not up)), margin=margins, slip_m=(0.0, 0.0),
-        lower_m=(0.0, 0.0, 0.05), upper_m=(0.0, 0.0, 0.05 + w), travelled_m=0.05 * share, energy_j=share, collisions=0,
+        forces_n=(4.0, 4.0, -1.0), max_force_n=5.0, grip_n=(40.0 * up, 40.0 * (not up)), margin=margins,
+        slip_m=(0.0, 0.0), lower_m=(0.0, 0.0, 0.05), upper_m=(0.0, 0.0, 0.05 + w), travelled_m=0.05 * share,
+        energy_j=share, collisions=0,
     )  # fmt: skip
 
 
