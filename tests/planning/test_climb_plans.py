@@ -19,6 +19,7 @@ from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import join
 from steeplejack.planning.climb.planner import as_plan, climb
 from steeplejack.robots.pipe_climber import PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.statics import friction_needed
 from steeplejack.worksite.pipe_builtin import load_pipe
 from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun, with_bends
 
@@ -180,7 +181,7 @@ def test_a_bend_toward_minus_x_is_passed_by_turning_first_and_refused_without():
     in_bend = [phase for phase in plan.phases if abs(phase.end[2]) > 0.1]
     assert all(phase.end[2] > 0.0 for phase in in_bend)
     stiff = changed(ROBOT, "rcm", limit=1e-3)
-    assert "linkage's range of 0 deg" in refusal(run, stiff)
+    assert "linkage's range of 0.0573 deg" in refusal(run, stiff)
 
 
 def test_a_collar_higher_than_the_clearance_is_refused_and_says_how_much_is_needed():
@@ -322,10 +323,40 @@ def test_a_replay_sees_what_is_wrong():
 
 
 def test_a_load_no_cylinder_lifts_is_refused_by_name() -> None:
-    plan = plan_climb(load_pipe("straight-vertical"), ROBOT, payload_kg=6.0)
-    assert plan.blocked is not None and "force of 50 N" in plan.blocked
-    enough = re.search(r"with cylinders of ([\d.]+) N it can begin there", plan.blocked)
+    """On pads that hold it. On those of the robot the grip is too little besides, and the refusal names both."""
+    run, rubbing = load_pipe("straight-vertical"), changed(ROBOT, "gripper", friction=1.0)
+    plan = plan_climb(run, ROBOT, payload_kg=6.0)
+    assert plan.blocked is not None and "none of these changes that by itself" in plan.blocked
+    times = re.search(
+        r"takes at least ([\d.]+) times the grip .* and ([\d.]+) times the cylinders' force", plan.blocked
+    )
+    assert times is not None
+    hanging = friction_needed(ROBOT.gripper, 8.0 * 9.81) / ROBOT.gripper.friction / (1.0 - ROBOT.gait.reserve)
+    assert float(times[1]) >= hanging - 0.1 and float(times[2]) > 1.0
+    plan = plan_climb(run, rubbing, payload_kg=6.0)
+    assert plan.blocked is not None and "limit is the cylinders' force of 50 N" in plan.blocked
+    enough = re.search(r"the goal is reached with cylinders of ([\d.]+) N", plan.blocked)
     assert enough is not None
-    for part, begins in ((1.0, True), (1.0 / 1.03, False)):
-        strong = changed(ROBOT, "cylinders", force=part * float(enough[1]))
-        assert bool(climb(load_pipe("straight-vertical"), Machine.of(strong, 6.0), (5,)).standings) is begins
+    for part, climbs in ((1.0, True), (1.0 / 1.03, False)):
+        strong = changed(rubbing, "cylinders", force=part * float(enough[1]))
+        assert climb(run, Machine.of(strong, 6.0), (5,)).complete is climbs
+
+
+@pytest.mark.parametrize(
+    ("diameter", "payload", "gravity", "said"),
+    [
+        (0.018, 0.0, 9.81, ["diameter under the lower gripper", "grippers for 18 to 80 mm (there are none"]),
+        (0.060, 50.0, 0.0, ["times the grip that may be used and", "times the servo's torque of 1.96 N m"]),
+        (0.060, 0.0, 100.0, ["times the grip that may be used and", "times the cylinders' force of 50 N"]),
+        (0.060, 1e300, 9.81, ["e+29"]),
+    ],
+)
+def test_what_no_limit_alone_is_to_blame_for_is_told(
+    diameter: float, payload: float, gravity: float, said: list[str]
+) -> None:
+    """Pipes, loads and gravities far beyond the robot: what is too little, by how much, and what was tried."""
+    run = load_pipe("straight-vertical")
+    pipe = run.pipes[0]
+    pipe = replace(pipe, parts=tuple(replace(part, diameter=diameter) for part in pipe.parts))
+    why = refusal(replace(run, pipes=(pipe,), gravity=(0.0, 0.0, -gravity)), ROBOT, payload)
+    assert all(part in why for part in said) and "none of these changes that by itself" in why

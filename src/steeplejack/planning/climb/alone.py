@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.limits import ROUNDING, Machine
 from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torques
 from steeplejack.robots.pipe_climber.inertia import inertia
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
@@ -55,13 +55,17 @@ def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, m
 
 
 def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, pushes: Array) -> Array:
-    """Of the grips, (k, 2, 1)."""
+    """Of the grips, (k, 2, 1); infinite on a pipe that grippers are not for."""
     loads = grip_loads(machine.robot, machine.layout, freedoms, gravity, machine.payload)
     tried = np.moveaxis(loads + pushes, 0, 1)  # those of one state together: each is near the last one
     use = np.zeros((len(freedoms), 2, 1))
+    thinnest, thickest = (0.5 * one for one in machine.robot.gripper.pipe_diameter)
     for end in range(2):
         for radius, rows in np.unique(feet[:, end], axis=0):
             mine = (feet[:, end, 0] == radius) & (feet[:, end, 1] == rows)
+            if not thinnest - ROUNDING <= radius <= thickest + ROUNDING:
+                use[mine, end, 0] = np.inf
+                continue
             body = grip_body(machine.robot, float(radius), int(rows))
             use[mine, end, 0] = grip_use(body, tried[mine, :, end]).max(axis=1)
     return use / (1.0 - machine.robot.gait.reserve)

@@ -10,16 +10,16 @@ lattice, not a design: it names what to look at.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from steeplejack.errors import SteeplejackError
-from steeplejack.planning.climb.lattice import build_lattice
+from steeplejack.planning.climb.lattice import Lattice, build_lattice
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import edges, trouble
 from steeplejack.planning.climb.planner import climb, stroke_on_straights
-from steeplejack.planning.climb.relaxation import Relaxation
+from steeplejack.planning.climb.relaxation import Relaxation, rounded_down
 from steeplejack.planning.climb.relaxations import other_machines, relaxations
 from steeplejack.planning.climb.route import Found, search
 from steeplejack.worksite.pipe_run import PipeRun
@@ -33,6 +33,8 @@ ENOUGH = 2
 """After this many limits whose relaxing alone reaches the goal no more are looked for."""
 FURTHER = 0.002
 """[m] By how much more a relaxed climb has to come for its limit to count."""
+MANY = 1e4
+"""How many times what there is are said to the order of magnitude only."""
 SAID = 1e-4
 """[m] To what a place to begin at is rounded."""
 
@@ -55,43 +57,95 @@ def explain(run: PipeRun, machine: Machine, found: Found, tell: Callable[[str], 
         if place is not None:
             return f"{where}; it can begin at {place:.4f} m"
     tell(f"{where}: looking for what would change that")
-    enough, best = _what_helps(run, machine, found, tell)
-    if enough:
-        tell(f"how much of it: {enough[0].limit}")
-        said = "; or ".join(_least(one, machine.payload, _reaches_goal) for one in enough)
-        return f"{where}: limit is the {enough[0].limit}; the goal is reached with {said}"
-    if best is not None:
-        one, got = best
+    lattice = build_lattice(run, machine, stroke_on_straights(machine) / COARSE)
+    helped = _what_helps(lattice, found, tell)
+    if helped.enough:
+        tell(f"how much of it: {helped.enough[0].limit}")
+        said = "; or ".join(_least(one, machine.payload, _reaches_goal) for one in helped.enough)
+        return f"{where}: limit is the {helped.enough[0].limit}; the goal is reached with {said}"
+    if helped.best is not None:
+        one, got = helped.best
         tell(f"how much of it: {one.limit}")
         amount = _least(one, machine.payload, lambda other: other.progress > got.progress - FURTHER)
         begins = not found.standings and got.progress <= run.start_s + FURTHER
         reached = "can begin there" if begins else f"comes to {got.progress:.3f} m"
         return f"{where}: limit is the {one.limit}; with {amount} it {reached}"
-    return f"{where}: none of the limits that were relaxed, one at a time, changes that"
+    limits = " and ".join(_too_much(lattice))
+    binding = f"holding alone takes at least {limits}; " if limits else ""
+    return f"{where}: {binding}none of these changes that by itself: {'; '.join(helped.vain)}"
 
 
-def _what_helps(
-    run: PipeRun, machine: Machine, found: Found, tell: Callable[[str], None]
-) -> tuple[list[Relaxation], tuple[Relaxation, Found] | None]:
-    """The first relaxations that reach the goal, and the one that comes furthest of those that do not."""
-    lattice = build_lattice(run, machine, stroke_on_straights(machine) / COARSE)
-    far = max(found.progress, search(lattice).progress) + FURTHER
+@dataclass
+class _Helped:
+    """What relaxing one limit at a time has brought.
+
+    Attributes:
+        enough: The first relaxations that reach the goal.
+        best: The one that comes furthest of those that do not.
+        vain: What the others were relaxed to.
+    """
+
+    enough: list[Relaxation] = field(default_factory=list[Relaxation])
+    best: tuple[Relaxation, Found] | None = None
+    vain: list[str] = field(default_factory=list[str])
+
+
+def _what_helps(lattice: Lattice, found: Found, tell: Callable[[str], None]) -> _Helped:
+    """Relax one limit after the other until enough of them reach the goal."""
+    run, machine = lattice.run, lattice.machine
+    far, helped = max(found.progress, search(lattice).progress) + FURTHER, _Helped()
     others = other_machines(run, machine.robot) if run.goal_pipe != run.pipes[0].name else []
-    enough, best = list[Relaxation](), None
     for one in (*others, *relaxations(lattice)):
         tell(f"what if not for the {one.limit}")
         got = climb_relaxed(one, 1.0, machine.payload, FINER if one in others else (COARSE,))
-        if got is None:
-            continue
-        if got.complete:
-            enough.append(one)
-            if len(enough) == ENOUGH or one in others:
+        if got is not None and got.complete:
+            helped.enough.append(one)
+            if len(helped.enough) == ENOUGH or one in others:
                 break
-        elif (got.progress > far or got.standings and not found.standings) and (
-            best is None or got.progress > best[1].progress
-        ):
-            best = (one, got)
-    return enough, best
+        elif got is None or not _comes_further(got, one, found, far, lattice):
+            helped.vain.append(one.amount(1.0) + _impossible(one))
+        elif helped.best is None or got.progress > helped.best[1].progress:
+            helped.best = (one, got)
+    return helped
+
+
+def _comes_further(got: Found, one: Relaxation, found: Found, far: float, lattice: Lattice) -> bool:
+    """Whether a relaxed climb that does not reach the goal tells anything.
+
+    Where one gripper can nowhere hold alone the other one still makes its move, longer with a longer stroke, say:
+    that is no way on.
+    """
+    if not (got.progress > far or got.standings and not found.standings):
+        return False
+    if not _too_much(lattice):
+        return True
+    run, robot = one.change(1.0)
+    machine = Machine.of(robot, lattice.machine.payload)
+    return not _too_much(build_lattice(run, machine, stroke_on_straights(machine) / COARSE))
+
+
+def _too_much(lattice: Lattice) -> list[str]:
+    """What holding alone takes too much of wherever the robot stands."""
+    robot, least = lattice.machine.robot, lattice.uses.least
+    whats = (
+        "the grip that may be used", f"the cylinders' force of {robot.cylinders.force:.4g} N",
+        f"the servo's torque of {robot.build.servo_torque:.4g} N m",
+    )  # fmt: skip
+    times = np.where(np.isfinite(least), least, 0.0).max(axis=0)
+    return [
+        f"{rounded_down(most, 1) if most < MANY else f'{most:.0e}'} times {what}"
+        for most, what in zip(times, whats, strict=True)
+        if most > 1.0
+    ]
+
+
+def _impossible(one: Relaxation) -> str:
+    """Why there is no machine relaxed so far, in brackets; nothing where there is one."""
+    try:
+        one.change(1.0)
+    except SteeplejackError as error:
+        return f" (there are none: {error})"
+    return ""
 
 
 def climb_relaxed(one: Relaxation, share: float, payload: float, parts: tuple[int, ...] = (COARSE,)) -> Found | None:

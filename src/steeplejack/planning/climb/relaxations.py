@@ -74,15 +74,15 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
 def other_machines(run: PipeRun, robot: PipeClimber) -> list[Relaxation]:
     """The other shipped machines with the friction there is: for runs from one pipe to another."""
     now = (
-        f"cylinders' stroke of {1e3 * robot.cylinders.stroke:.0f} mm together with the platform's tilt of "
-        f"{math.degrees(robot.joints.limit):.0f} deg"
+        f"cylinders' stroke of {1e3 * robot.cylinders.stroke:.4g} mm together with the platform's tilt of "
+        f"{math.degrees(robot.joints.limit):.4g} deg"
     )
     found: list[Relaxation] = []
     for other in (load_pipe_climber(name) for name in SHIPPED if name != robot.name):
         least, most = other.cylinders.retracted[1], other.cylinders.retracted[1] + other.cylinders.stroke
         amount = (
-            f"the shipped robot {other.name}: cylinders from {1e3 * least:.0f} to {1e3 * most:.0f} mm and a tilt of "
-            f"{math.degrees(other.joints.limit):.0f} deg"
+            f"the shipped robot {other.name}: cylinders from {1e3 * least:.4g} to {1e3 * most:.4g} mm and a tilt of "
+            f"{math.degrees(other.joints.limit):.4g} deg"
         )
         found.append(
             Relaxation(
@@ -97,7 +97,7 @@ def other_machines(run: PipeRun, robot: PipeClimber) -> list[Relaxation]:
 
 def _claw_offset(run: PipeRun, robot: PipeClimber) -> Relaxation:
     hz = robot.linkage.claw_offset
-    limit, offset = f"claw's offset hz of {1e3 * hz:.0f} mm", evenly(hz, 0.0)
+    limit, offset = f"claw's offset hz of {1e3 * hz:.4g} mm", evenly(hz, 0.0)
     return number(run, robot, ("linkage", "claw_offset"), offset, limit, lambda x: f"hz of {rounded_down(1e3 * x)} mm")
 
 
@@ -115,7 +115,7 @@ def _clearance(run: PipeRun, machine: Machine) -> Relaxation:
         return run, changed(roomier, "gait", clearance=clearance, relief=relief)
 
     return Relaxation(
-        f"clearance about the pipe of {1e3 * least:.0f} mm", roomy, lambda k: f"a clearance of {in_mm(wanted(k))} mm"
+        f"clearance about the pipe of {1e3 * least:.4g} mm", roomy, lambda k: f"a clearance of {in_mm(wanted(k))} mm"
     )
 
 
@@ -123,18 +123,18 @@ def _grippers(run: PipeRun, machine: Machine, wide: tuple[float, float]) -> Rela
     """Grippers for every pipe of the run, and bars that clear the thickest."""
     least, most = machine.robot.gripper.pipe_diameter
     more = max(0.0, _thickest(run) - machine.lowest_bar)
-    room = f" with bars {math.ceil(1e3 * more):.0f} mm further out" if more > 0.0 else ""
+    room = f" with bars {in_mm(more)} mm further out" if more > 0.0 else ""
     return Relaxation(
-        f"grippers' range of pipe diameters, {1e3 * least:.0f} to {1e3 * most:.0f} mm",
+        f"grippers' range of pipe diameters, {1e3 * least:.4g} to {1e3 * most:.4g} mm",
         lambda _k: (run, changed(_roomier(machine.robot, more), "gripper", pipe_diameter=wide)),
-        lambda _k: f"grippers for {1e3 * wide[0]:.0f} to {1e3 * wide[1]:.0f} mm{room}",
+        lambda _k: f"grippers for {1e3 * wide[0]:.4g} to {1e3 * wide[1]:.4g} mm{room}",
         graded=False,
     )
 
 
 def _reserve(run: PipeRun, robot: PipeClimber) -> Relaxation:
     limit, reserve = (
-        f"{100.0 * robot.gait.reserve:.0f} % of the grip that are kept in reserve",
+        f"{100.0 * robot.gait.reserve:.4g} % of the grip that are kept in reserve",
         evenly(robot.gait.reserve, 0.0),
     )
     return number(
@@ -144,7 +144,7 @@ def _reserve(run: PipeRun, robot: PipeClimber) -> Relaxation:
 
 def _servo(run: PipeRun, robot: PipeClimber) -> Relaxation:
     now = robot.build.servo_torque
-    limit = f"torque of the linkage's servo of {now:.2f} N m"
+    limit = f"torque of the linkage's servo of {now:.4g} N m"
     return number(
         run, robot, ("build", "servo_torque"), by_factors(now, STRONGER * now), limit,
         lambda x: f"a servo of {rounded_up(x, 2)} N m",
@@ -153,7 +153,7 @@ def _servo(run: PipeRun, robot: PipeClimber) -> Relaxation:
 
 def _force(run: PipeRun, robot: PipeClimber) -> Relaxation:
     now = robot.cylinders.force
-    limit = f"cylinders' force of {now:.0f} N"
+    limit = f"cylinders' force of {now:.4g} N"
     return number(
         run, robot, ("cylinders", "force"), by_factors(now, STRONGER * now), limit,
         lambda x: f"cylinders of {rounded_up(x, 1)} N",
@@ -161,13 +161,12 @@ def _force(run: PipeRun, robot: PipeClimber) -> Relaxation:
 
 
 def _friction(run: PipeRun, robot: PipeClimber) -> Relaxation | None:
-    """More friction, short of what makes pads jam on the thinnest pipe; None if that is what there is."""
-    now = robot.gripper.friction
-    thinnest = 0.5 * min([robot.gripper.pipe_diameter[0], *_diameters_of(run)])
+    """More friction, short of what makes pads jam on the thinnest pipe they hold; None if that is what there is."""
+    now, thinnest = robot.gripper.friction, 0.5 * robot.gripper.pipe_diameter[0]
     far = min(RUBBING * now, SHORT_OF_JAMMING * robot.build.jamming_friction(thinnest))
     if far <= now:
         return None
-    limit = f"friction of {now:g} with {robot.gripper.force:.0f} N a jaw"
+    limit = f"friction of {now:g} with {robot.gripper.force:.4g} N a jaw"
     return number(
         run, robot, ("gripper", "friction"), by_factors(now, far), limit, lambda x: f"friction of {rounded_up(x, 3)}"
     )
@@ -175,7 +174,7 @@ def _friction(run: PipeRun, robot: PipeClimber) -> Relaxation | None:
 
 def _jaws(run: PipeRun, robot: PipeClimber, far: float, why: str = "") -> Relaxation:
     now = robot.build.jaw_length
-    limit, jaws = f"jaws' length of {1e3 * now:.0f} mm{why}", by_factors(now, far * now)
+    limit, jaws = f"jaws' length of {1e3 * now:.4g} mm{why}", by_factors(now, far * now)
     return number(
         run,
         robot,
@@ -188,7 +187,7 @@ def _jaws(run: PipeRun, robot: PipeClimber, far: float, why: str = "") -> Relaxa
 
 def _tilt(run: PipeRun, robot: PipeClimber) -> Relaxation:
     now = robot.joints.limit
-    limit, tilt = f"platform's tilt of {math.degrees(now):.0f} deg", evenly(now, RIGHT)
+    limit, tilt = f"platform's tilt of {math.degrees(now):.4g} deg", evenly(now, RIGHT)
     return number(
         run, robot, ("joints", "limit"), tilt, limit, lambda x: f"a tilt of {rounded_up(math.degrees(x), 1)} deg"
     )
@@ -201,7 +200,7 @@ def _linkage(run: PipeRun, machine: Machine) -> Relaxation | None:
     if far <= now:
         return None
     return number(
-        run, machine.robot, ("rcm", "limit"), evenly(now, far), f"linkage's range of {math.degrees(now):.0f} deg",
+        run, machine.robot, ("rcm", "limit"), evenly(now, far), f"linkage's range of {math.degrees(now):.4g} deg",
         lambda x: f"a linkage range of {rounded_up(math.degrees(x), 1)} deg",
     )  # fmt: skip
 
@@ -220,7 +219,7 @@ def _stroke(run: PipeRun, robot: PipeClimber) -> Relaxation:
         return run, changed(robot, "cylinders", stroke=stroke(share), retracted=retracted)
 
     return Relaxation(
-        f"cylinders' stroke of {1e3 * cylinders.stroke:.0f} mm", longer, lambda k: f"a stroke of {in_mm(stroke(k))} mm"
+        f"cylinders' stroke of {1e3 * cylinders.stroke:.4g} mm", longer, lambda k: f"a stroke of {in_mm(stroke(k))} mm"
     )
 
 
@@ -244,7 +243,7 @@ def _pipe_end(run: PipeRun, robot: PipeClimber) -> Relaxation:
 def _bends(run: PipeRun, robot: PipeClimber) -> Relaxation:
     tightest, factor = min(part.radius for pipe in run.pipes for part in pipe.parts), by_factors(1.0, 4.0)
     return Relaxation(
-        f"bend's radius of {1e3 * tightest:.0f} mm",
+        f"bend's radius of {1e3 * tightest:.4g} mm",
         lambda k: (with_bends(run, factor(k)), robot),
         lambda k: f"bends of at least {in_mm(tightest * factor(k))} mm",
     )

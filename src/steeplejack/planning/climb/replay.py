@@ -78,7 +78,9 @@ def _borne(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     uses = worst_uses(run, machine, lowers, phase.poses, places, phase.hold)
     whats = (f"the {phase.hold.value} gripper slips or tilts", "a cylinder is too weak", "the servo is too weak")
     return [
-        f"{what}: {use:.4f} of what a plan may use" for what, use in zip(whats, uses, strict=True) if use > 1.0 + USE
+        f"{what}: {use:.4f} of what a plan may use"
+        for what, use in zip(whats, uses, strict=True)
+        if not use <= 1.0 + USE
     ]
 
 

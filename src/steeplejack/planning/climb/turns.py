@@ -105,5 +105,6 @@ def swing(turns: Turns, which: Indices, ends: Array, judge: Judge, moving: float
 
 
 def exceeded(uses: Array) -> set[Kind]:
-    """Of what some of the uses (..., kinds) take more than there is."""
-    return {kind for kind, use in zip(KINDS, uses.reshape(-1, len(KINDS)).T, strict=True) if (use > 1.0).any()}
+    """Of what some uses (..., kinds) take more than there is; grips on pipes that grippers are not for do not count."""
+    some = (uses > 1.0) & (uses < np.inf)
+    return {kind for kind, use in zip(KINDS, some.reshape(-1, len(KINDS)).T, strict=True) if use.any()}

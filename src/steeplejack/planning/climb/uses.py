@@ -21,6 +21,8 @@ Indices = NDArray[np.int64]
 
 GAPS = 7
 """Distances of the grippers on one straight between which the use of a grip is interpolated, from above."""
+FAR = 1e30
+"""Use that stands for any larger one, finite so that shares of it are [1]."""
 NUDGE = 1e-5
 """By how much a gripper goes on to see which way the mechanism moves [m]."""
 
@@ -37,6 +39,7 @@ class Uses:
             `turns.Turns`, (kinds, 2, c, b, b).
         swing_off: Of the lower gripper's turns of the other pairs, the most of any, (k,).
         scarce: Of what some state takes more than there is.
+        least: Of the lower and of the upper gripper, what the state that takes least of each of `KINDS` does, (2, 3).
     """
 
     of: NDArray[np.float32]
@@ -44,6 +47,7 @@ class Uses:
     swing_on: NDArray[np.float32]
     swing_off: NDArray[np.float32]
     scarce: set[Kind]
+    least: Array
 
 
 def uses_of_states(
@@ -57,7 +61,7 @@ def uses_of_states(
     """
     uses = np.full((len(pairs), *near.shape, 2), np.inf, dtype=np.float32)
     turns = turns_of(clocks, near)
-    kinds, swing_on, scarce = _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, turns, uses)
+    kinds, swing_on, scarce, least = _on_straights(run, machine, lower, upper, pairs, joined, clocks, near, turns, uses)
     swing_off, below = np.ones(len(pairs), dtype=np.float32), turns.only(turns.gripper == 1)
     for side in range(2):
         rows = np.flatnonzero(~joined.coaxial & joined.allowed[:, side] & (sides[:, side] >= 0))
@@ -69,15 +73,16 @@ def uses_of_states(
         judge = partial(states, run, machine, *ends, poses, either_way(machine, poses, ways))
         which, slot = np.nonzero(near[at] >= 0)
         found = judge(which, clocks[at[which]], clocks[near[at[which], slot]])
-        uses[rows[which], at[which], slot] = found.max(axis=-1)
+        uses[rows[which], at[which], slot] = _most(found)
         scarce |= exceeded(found)
+        least = np.fmin(least, found.min(axis=0, initial=np.inf))
         row, turn = np.nonzero(at[:, None] == below.start[:, 0])
         pair, one = rows[row], below.only(turn)
         taken = np.stack([uses[pair, *end.T, 1] for end in (one.start, one.end)], axis=-1).astype(np.float64)
         more, kinds_of_it = swing(one, row, taken, judge, GRIPPER)
         np.maximum.at(swing_off, pair, more.astype(np.float32))
         scarce |= kinds_of_it
-    return Uses(uses, kinds, swing_on, swing_off, scarce)
+    return Uses(uses, kinds, swing_on, swing_off, scarce, least)
 
 
 def directions(run: PipeRun, machine: Machine, lower: Places, upper: Places, clocks: Array) -> Array:
@@ -130,13 +135,13 @@ def states(
 def _on_straights(
     run: PipeRun, machine: Machine, lower: Places, upper: Places, pairs: Indices, joined: Joined, clocks: Array,
     near: Indices, turns: Turns, uses: NDArray[np.float32],
-) -> tuple[Indices, NDArray[np.float32], set[Kind]]:  # fmt: skip
+) -> tuple[Indices, NDArray[np.float32], set[Kind], Array]:  # fmt: skip
     """Fill in the states of coaxial pairs, straight by straight and footing by footing.
 
     Returns:
-        ``kinds``, ``swing_on`` and ``scarce`` of `Uses`.
+        ``kinds``, ``swing_on``, ``scarce`` and ``least`` of `Uses`.
     """
-    scarce = set[Kind]()
+    scarce, least = set[Kind](), np.full((2, len(KINDS)), np.inf)
     ends = (lower.only(pairs[:, 0]), upper.only(pairs[:, 1]))
     columns = [column for end in ends for column in (end.pipe, _part(run, end), *end.footing.T)]
     keys = np.stack(columns, axis=-1).astype(np.float64)
@@ -164,7 +169,7 @@ def _on_straights(
         at = np.clip((gaps - knots[0]) / (knots[1] - knots[0]), 0.0, GAPS - 1.0)
         below = np.minimum(at.astype(np.int64), GAPS - 2)
         share = (at - below)[:, None, None]
-        most = table.max(axis=-1)
+        most, least = _most(table), np.minimum(least, table.min(axis=(0, 1)))
         uses[rows[:, None], high[None], slot[None]] = (1.0 - share) * most[below] + share * most[below + 1]
         dense = np.full((GAPS, *near.shape, 2), np.inf)
         dense[:, high, slot] = most
@@ -174,7 +179,13 @@ def _on_straights(
         where = number, turns.gripper, *turns.start.T, turns.slot
         swings[where] = more.reshape(GAPS, -1).max(axis=0)
         scarce |= exceeded(table) | kinds_of_it
-    return kinds, swings, scarce
+    return kinds, swings, scarce, least
+
+
+def _most(found: Array) -> Array:
+    """Of grip, force and torque (..., kinds); `FAR` at a singular pose and for what is more than that."""
+    most = found.max(axis=-1)
+    return np.where(most < FAR, most, FAR)
 
 
 def _part(run: PipeRun, places: Places) -> Indices:
