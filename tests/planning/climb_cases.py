@@ -26,8 +26,9 @@ from steeplejack.worksite.pipe_generate import random_pipes
 from steeplejack.worksite.pipe_run import PipeRun, build_run
 
 ROBOT = load_pipe_climber()
-PARTS = (5,)  # of the stroke; the planner's finer lattices cost several times as much: where this is beaten
-FINER = (10, 20)
+PARTS = (
+    5,
+)  # of the stroke; the planner's finer lattices cost several times as much: they are asked where it is beaten
 FURTHER = 0.003  # [m] by which sampling may come further: what a cell of the finest lattice is
 
 
@@ -71,8 +72,7 @@ def trial(seed: int, tries: int) -> dict[str, Any]:
         far = attacked(sampler, plan, tries, reached + FURTHER)
         wrong += disagreements(sampler.rules, np.random.default_rng(seed))
         if far > reached + FURTHER:
-            best = max((climb(run, machine, (parts,)) for parts in FINER), key=lambda found: found.progress)
-            plan = as_plan(run, machine, best, None)
+            plan = as_plan(run, machine, climb(run, machine), None)
             reached = run.start_s + plan.reached_m
     wrong += faults(plan, run, ROBOT)
     if not plan.complete and far > reached + FURTHER:

@@ -40,7 +40,7 @@ class Solids:
 def obstacles_of(run: PipeRun) -> Solids:
     """All pipes and obstacles of a run."""
     capsules = [capsule for pipe in run.pipes for part in pipe.parts for capsule in _chords(part)]
-    sectors = [_sector(run, one) for one in run.obstacles]
+    sectors = [sector(run, one) for one in run.obstacles]
     return Solids(np.array(capsules).reshape(-1, 7), np.array(sectors).reshape(-1, 16))
 
 
@@ -54,7 +54,8 @@ def _chords(part: Part) -> list[Array]:
     return [np.concatenate((a, b, size)) for a, b in zip(points[:-1], points[1:], strict=True)]
 
 
-def _sector(run: PipeRun, one: PipeObstacle) -> Array:
+def sector(run: PipeRun, one: PipeObstacle) -> Array:
+    """What stands on a pipe as a row of `Solids.sectors`, (16,)."""
     middle = 0.5 * (one.start + one.end)
     point, frame = run.centre_line(middle, one.pipe)
     first, last = one.clock if one.clock is not None else (-math.pi, math.pi)

@@ -76,8 +76,12 @@ def turns_of(clocks: Array, near: Indices) -> Turns:
     return Turns(*(np.concatenate([getattr(one, name) for one in both]) for name in Turns.__dataclass_fields__))
 
 
-def swing(turns: Turns, which: Indices, ends: Array, judge: Judge, moving: float) -> tuple[Array, set[Kind]]:
+def swing(
+    turns: Turns, which: Indices, ends: Array, judge: Judge, moving: float, limit: float
+) -> tuple[Array, set[Kind]]:  # fmt: skip
     """How many times what their ends take turns take on the way.
+
+    Turns about one gripper at one clock share the places that are looked at: all that the linkage reaches from there.
 
     Args:
         turns: t of them.
@@ -85,23 +89,48 @@ def swing(turns: Turns, which: Indices, ends: Array, judge: Judge, moving: float
         ends: What start and end take of the gripper that holds, (t, 2).
         judge: Of states.
         moving: `ALL` or `GRIPPER`.
+        limit: Of the linkage to either side [rad].
 
     Returns:
         At least 1, and 1 where either end is too much or both so little that it cannot matter, (t,); and of what some
         state on the way takes more than there is.
     """
-    most, scarce = ends.max(axis=1), set[Kind]()
-    found, far = np.ones(len(most)), np.abs(turns.by).max(axis=1, initial=0.0)
+    most, found, far = ends.max(axis=1), np.ones(len(ends)), np.abs(turns.by).max(axis=1, initial=0.0)
     near = np.flatnonzero((most <= 1.0) & (most > 1.0 - moving * np.tan(0.5 * far) ** 2))
     if not len(near):
-        return found, scarce
-    some, count = turns.only(near), max(2, math.ceil(float(far[near].max()) / APART))
-    for share in np.arange(1, count) / count:
-        high, low = (some.clocks + share * some.by).T
-        uses = judge(which[near], high, low)[np.arange(len(near)), some.gripper]
-        found[near] = np.maximum(found[near], uses.max(axis=1) / most[near])
-        scarce |= exceeded(uses)
-    return found, scarce
+        return found, set()
+    some, rows = turns.only(near), np.arange(len(near))
+    held = some.clocks[rows, 1 - some.gripper]
+    columns = np.column_stack((which[near], some.gripper, held)).astype(np.float64)
+    about, of = np.unique(columns, axis=0, return_inverse=True)
+    uses, steps = _around(about, judge, limit)
+    start = (some.clocks[rows, some.gripper] - held + math.pi) % (2.0 * math.pi) - math.pi
+    end = start + some.by[rows, some.gripper]
+    low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
+    on_the_way = np.where((steps > low) & (steps < high), uses.max(axis=-1)[of.ravel()], 0.0).max(axis=1)
+    found[near] = np.maximum(1.0, on_the_way / most[near])
+    return found, exceeded(uses)
+
+
+def _around(about: Array, judge: Judge, limit: float) -> tuple[Array, Array]:
+    """What the gripper that holds takes while the other one turns about it as far as the linkage goes.
+
+    Args:
+        about: Pose, gripper that turns, clock of the one that holds [rad], (m, 3).
+        judge: Of states.
+        limit: Of the linkage to either side [rad].
+
+    Returns:
+        (m, j, kinds), and the turns of the linkage (j,) [rad].
+    """
+    half = max(1, math.ceil(limit / APART))
+    steps = limit * np.arange(-half, half + 1) / half
+    one = np.repeat(about, len(steps), axis=0)
+    pose, turns, held = one[:, 0].astype(np.int64), one[:, 1].astype(np.int64), one[:, 2]
+    away = held + np.tile(steps, len(about))
+    upper = turns == 0
+    uses = judge(pose, np.where(upper, away, held), np.where(upper, held, away))[np.arange(len(one)), turns]
+    return uses.reshape(len(about), len(steps), -1), steps
 
 
 def exceeded(uses: Array) -> set[Kind]:

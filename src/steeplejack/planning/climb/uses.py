@@ -79,7 +79,7 @@ def uses_of_states(
         row, turn = np.nonzero(at[:, None] == below.start[:, 0])
         pair, one = rows[row], below.only(turn)
         taken = np.stack([uses[pair, *end.T, 1] for end in (one.start, one.end)], axis=-1).astype(np.float64)
-        more, kinds_of_it = swing(one, row, taken, judge, GRIPPER)
+        more, kinds_of_it = swing(one, row, taken, judge, GRIPPER, machine.robot.rcm.limit)
         np.maximum.at(swing_off, pair, more.astype(np.float32))
         scarce |= kinds_of_it
     return Uses(uses, kinds, swing_on, swing_off, scarce, least)
@@ -175,7 +175,7 @@ def _on_straights(
         dense[:, high, slot] = most
         taken = np.stack([dense[:, *end.T, turns.gripper].ravel() for end in (turns.start, turns.end)], axis=-1)
         gap, turn = np.divmod(np.arange(len(taken)), max(len(turns.slot), 1))
-        more, kinds_of_it = swing(turns.only(turn), gap, taken, judge, ALL)
+        more, kinds_of_it = swing(turns.only(turn), gap, taken, judge, ALL, machine.robot.rcm.limit)
         where = number, turns.gripper, *turns.start.T, turns.slot
         swings[where] = more.reshape(GAPS, -1).max(axis=0)
         scarce |= exceeded(table) | kinds_of_it
