@@ -29,7 +29,7 @@ ROBOT = load_pipe_climber()
 PARTS = (
     5,
 )  # of the stroke; the planner's finer lattices cost several times as much: they are asked where it is beaten
-FURTHER = 0.003  # [m] by which sampling may come further: what a cell of the finest lattice is
+FURTHER = 0.006  # [m] by which sampling may come further: a cell is 5 mm where the planner gives up refining
 
 
 def changed(robot: PipeClimber, table: str, **values: object) -> PipeClimber:
