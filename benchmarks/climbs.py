@@ -69,8 +69,8 @@ class Climb:
         return max(one.max_force_n for one in self.watch.samples)
 
     def least_left(self, moving: bool) -> float:
-        """Friction left, at any time or while one gripper holds and the robot moves."""
-        samples = [one for one in self.watch.samples if one.act == "move" or not moving]
+        """Friction left while one gripper holds and the robot moves, or as grips change."""
+        samples = [one for one in self.watch.samples if (one.act == "move") is moving]
         return min((one for sample in samples for one in sample.margin if one is not None), default=math.nan)
 
 
@@ -117,7 +117,7 @@ def statics(plan: ClimbPlan, run: PipeRun, robot: PipeClimber) -> float:
 def runs_table() -> None:
     """Every built-in run that the robot climbs, from end to end."""
     print("| run | way | time planned, taken | speed | pose at gripping | place, worst and last | through a closed "
-          "grip | largest force | friction left: statics | moving | closing |")  # fmt: skip
+          "grip | largest force | friction left: statics | moving | changing |")  # fmt: skip
     print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |", flush=True)
     for name in PIPES:
         run_row(name)
@@ -182,7 +182,7 @@ def loads_table() -> None:
 
 def changes_table() -> None:
     """A vertical pipe with other errors of the sensors, and with slower grippers."""
-    print("\n| what | speed | pose at gripping | place at the end | friction left moving | closing |")
+    print("\n| what | speed | pose at gripping | place at the end | friction left moving | changing |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")
     plain = load_pipe_climber()
     whole = load_pipe("straight-vertical")

@@ -26,9 +26,7 @@ from steeplejack.worksite.pipe_generate import random_pipes
 from steeplejack.worksite.pipe_run import PipeRun, build_run
 
 ROBOT = load_pipe_climber()
-PARTS = (
-    5,
-)  # of the stroke; the planner's finer lattices cost several times as much: they are asked where it is beaten
+PARTS = (5,)  # of the stroke; where sampling beats this the planner is asked with all of its lattices
 FURTHER = 0.006  # [m] by which sampling may come further: a cell is 5 mm where the planner gives up refining
 
 
