@@ -26,7 +26,7 @@ CELLS = 144
 """Clocks all round at which the mechanism is held against what stands out."""
 BEYOND = 0.05
 """How far parts of the mechanism go beyond the grippers' middles [m]."""
-SPACING = 0.005
+EVERY = 0.005
 """Between places along the mechanism at which it is [m]; thinner than any of its bars with the air about them."""
 NARROW = math.radians(60.0)
 """In a range of clocks as wide as this two steps of the linkage lie well inside [rad]."""
@@ -34,15 +34,11 @@ LEVEL = 0.05
 """Gravity across a pipe, in parts of all of it, that makes its clock worth standing at [1]."""
 
 
-def wanted_clocks(run: PipeRun, machine: Machine, fine: bool = False) -> Array:
+def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
     """Clocks worth standing at: the start's, both sides of bends and crossings, edges of what stands out, up and down.
 
-    All of them, and steps of the linkage's range between them, (c,) in [0, 2 pi).
-
-    Args:
-        run: Of pipes.
-        machine: What climbs.
-        fine: With what the linkage reaches at most from where the mechanism passes what stands out.
+    All of them, what the linkage reaches at most from where the mechanism just passes what stands out, and steps of the
+    linkage's range between them, (c,) in [0, 2 pi).
     """
     limit = machine.robot.rcm.limit
     anchors, edges = [run.start_clock], list[float]()
@@ -61,11 +57,9 @@ def wanted_clocks(run: PipeRun, machine: Machine, fine: bool = False) -> Array:
     anchors = _distinct(np.array([*anchors, *edges]))
     if len(anchors) == 1 or limit < LEAST_TURN:
         return anchors
-    if fine:
-        anchors = np.concatenate((anchors, np.add.outer((-limit, limit), edges).ravel()))
     turns = max(1, math.ceil(2.0 * math.pi / min(limit, math.pi) - 1e-9))
     grid = run.start_clock + 2.0 * math.pi * np.arange(turns) / turns
-    return _distinct(np.concatenate((anchors, grid)))
+    return _distinct(np.concatenate((anchors, grid, np.add.outer((-limit, limit), edges).ravel())))
 
 
 def _falls(run: PipeRun, part: Part) -> list[float]:
@@ -85,7 +79,7 @@ def _clear(run: PipeRun, machine: Machine, one: PipeObstacle) -> list[float]:
     """
     gap = machine.straight_gaps[1]
     reach = 0.5 * (one.end - one.start) + BEYOND
-    along = np.arange(-reach, gap + reach, SPACING)
+    along = np.arange(-reach, gap + reach, EVERY)
     point, frame = run.centre_line(0.5 * (one.start + one.end), one.pipe)
     bars, radii = mechanism_bars(machine.robot, machine.layout, np.array([[0.0, gap, 0.0]] * len(along)))
     points, frames = point - along[:, None] * frame[:, 2], np.broadcast_to(frame, (len(along), 3, 3))

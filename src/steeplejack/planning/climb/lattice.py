@@ -80,14 +80,8 @@ class Lattice:
     obstructions: Obstructions
 
 
-def build_lattice(run: PipeRun, machine: Machine, step: float, fine: bool = False) -> Lattice:
+def build_lattice(run: PipeRun, machine: Machine, step: float) -> Lattice:
     """Lay the lattice over a run.
-
-    Args:
-        run: Of pipes.
-        machine: What climbs.
-        step: Between places [m].
-        fine: Whether clocks are `clocks.wanted_clocks` fine.
 
     Raises:
         InputError: More places than are searched.
@@ -95,7 +89,7 @@ def build_lattice(run: PipeRun, machine: Machine, step: float, fine: bool = Fals
     total = sum(pipe.length for pipe in run.pipes)
     if total / step > MOST_PLACES:
         raise InputError(f"run {run.name}", f"{total:g} m of pipe", f"up to {MOST_PLACES * step:g} m at this stride")
-    clocks = wanted_clocks(run, machine, fine)
+    clocks = wanted_clocks(run, machine)
     near = near_clocks(clocks, machine.robot.rcm.limit)
     lower = _places(run, machine, step, "lower")
     upper = _places(run, machine, step, "upper")

@@ -59,14 +59,11 @@ def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -
 
 
 def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Found:
-    """The best climb the lattices hold: the finest affordable one, finer ones only where there is no way.
-
-    Where the first one has no way the others have more clocks besides.
-    """
+    """The best climb the lattices hold: the finest affordable one, finer ones only where there is no way."""
     stroke = stroke_on_straights(machine)
     best: Found | None = None
     for number in parts:
-        lattice = build_lattice(run, machine, stroke / number, fine=best is not None and not best.complete)
+        lattice = build_lattice(run, machine, stroke / number)
         if best is not None and best.complete and lattice.joined.coaxial.size * lattice.near.size > STATES:
             break
         found = search(lattice)
