@@ -72,7 +72,8 @@ def trial(seed: int, tries: int) -> dict[str, Any]:
         if far > reached + FURTHER:
             plan = as_plan(run, machine, climb(run, machine), None)
             reached = run.start_s + plan.reached_m
-            far = max(far, attacked(sampler, plan, tries, reached + FURTHER))
+            afresh = Sampler(run, ROBOT, np.random.default_rng(seed))
+            far = max(far, attacked(afresh, plan, tries, reached + FURTHER))
     wrong += faults(plan, run, ROBOT)
     if not plan.complete and far > reached + FURTHER:
         wrong.append(f"sampling comes to {far:.4f} m, the plan to {reached:.4f} m")
