@@ -345,10 +345,11 @@ def test_a_load_no_cylinder_lifts_is_refused_by_name() -> None:
 @pytest.mark.parametrize(
     ("diameter", "payload", "gravity", "said"),
     [
-        (0.018, 0.0, 9.81, ["diameter under the lower gripper", "grippers for 18 to 80 mm (there are none"]),
+        (0.018, 0.0, 9.81, ["diameter under the lower gripper", "hold none of 20 mm or less"]),
         (0.060, 50.0, 0.0, ["times the grip that may be used and", "times the servo's torque of 1.96 N m"]),
         (0.060, 0.0, 100.0, ["times the grip that may be used and", "times the cylinders' force of 50 N"]),
-        (0.060, 1e300, 9.81, ["e+29"]),
+        (0.060, 1e6, 9.81, ["1e5 times the grip that may be used, 1e5 times the cylinders' force of 50 N and"]),
+        (0.040, 0.0, 50.0, ["pipe diameters, 50 to 80 mm (without it holding alone takes at least 4."]),
     ],
 )
 def test_what_no_limit_alone_is_to_blame_for_is_told(
@@ -360,3 +361,28 @@ def test_what_no_limit_alone_is_to_blame_for_is_told(
     pipe = replace(pipe, parts=tuple(replace(part, diameter=diameter) for part in pipe.parts))
     why = refusal(replace(run, pipes=(pipe,), gravity=(0.0, 0.0, -gravity)), ROBOT, payload)
     assert all(part in why for part in said) and "none of these changes that by itself" in why
+
+
+def test_bars_that_meet_a_pipe_the_grippers_would_hold_are_named():
+    run = load_pipe("straight-vertical")
+    pipe = replace(run.pipes[0], parts=tuple(replace(part, diameter=0.14) for part in run.pipes[0].parts))
+    wide = changed(ROBOT, "gripper", pipe_diameter=(0.05, 0.2))
+    why = refusal(replace(run, pipes=(pipe,)), wide)
+    assert "limit is the bars, which pass pipes of up to 84 mm; the goal is reached with bars 29 mm further out" in why
+
+
+TWO_LUGS = (
+    PipeObstacle("main", 0.2545, 0.2595, 0.0204, (math.radians(193.58), math.radians(311.27)), "lug"),
+    PipeObstacle("main", 0.3102, 0.3152, 0.0214, (math.radians(247.94), math.radians(364.40)), "lug"),
+)
+"""Passed only where the mechanism stands at the end of its range of clocks and the other gripper a whole turn away."""
+
+
+@pytest.mark.parametrize(("length", "climbs"), [(0.70, True), (0.50, False)])
+def test_two_lugs_are_passed_and_a_pipe_that_ends_behind_them_is_what_a_refusal_names(length: float, climbs: bool):
+    run = load_pipe("straight-vertical")
+    pipe = replace(run.pipes[0], parts=tuple(replace(part, length=length) for part in run.pipes[0].parts))
+    run = replace(run, pipes=(pipe,), obstacles=TWO_LUGS, goal_s=0.4)
+    assert climb(run, Machine.of(ROBOT), (5,)).complete is climbs
+    if not climbs:
+        assert "limit is the length of the pipe beyond the goal" in refusal(run)

@@ -145,8 +145,8 @@ def show_summary(answer: dict[str, Any]) -> None:
 
 
 def _left(moving: float | None, least: float | None) -> str:
-    """Friction left, while one gripper moves the robot and for a moment when that is less."""
+    """Friction left while one gripper moves the robot, and at other times where that is less."""
     if least is None:
         return "not measured"
-    told = "" if moving is None else f"{moving:.3f} while moving"
-    return told if least == moving else ", ".join(filter(None, (told, f"{least:.3f} as grips change")))
+    told = "" if moving is None else f"{moving:z.3f} while moving"
+    return told if least == moving else ", ".join(filter(None, (told, f"{least:z.3f} otherwise")))

@@ -9,10 +9,12 @@ lattice, not a design: it names what to look at.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from steeplejack.errors import SteeplejackError
 from steeplejack.planning.climb.lattice import Lattice, build_lattice
@@ -23,6 +25,8 @@ from steeplejack.planning.climb.relaxation import Relaxation, rounded_down
 from steeplejack.planning.climb.relaxations import other_machines, relaxations
 from steeplejack.planning.climb.route import Found, search
 from steeplejack.worksite.pipe_run import PipeRun
+
+Array = NDArray[np.float64]
 
 COARSE = 5
 """Parts of the stroke in which relaxed problems are solved; see `planner.PARTS`."""
@@ -70,9 +74,9 @@ def explain(run: PipeRun, machine: Machine, found: Found, tell: Callable[[str], 
         begins = not found.standings and got.progress <= run.start_s + FURTHER
         reached = "can begin there" if begins else f"comes to {got.progress:.3f} m"
         return f"{where}: limit is the {one.limit}; with {amount} it {reached}"
-    limits = " and ".join(_too_much(lattice))
+    limits = _too_much(machine, lattice.uses.least)
     binding = f"holding alone takes at least {limits}; " if limits else ""
-    return f"{where}: {binding}none of these changes that by itself: {'; '.join(helped.vain)}"
+    return f"{where}: {binding}none of these changes that by itself, as far as is looked at: {'; '.join(helped.vain)}"
 
 
 @dataclass
@@ -82,7 +86,7 @@ class _Helped:
     Attributes:
         enough: The first relaxations that reach the goal.
         best: The one that comes furthest of those that do not.
-        vain: What the others were relaxed to.
+        vain: The other limits.
     """
 
     enough: list[Relaxation] = field(default_factory=list[Relaxation])
@@ -91,9 +95,14 @@ class _Helped:
 
 
 def _what_helps(lattice: Lattice, found: Found, tell: Callable[[str], None]) -> _Helped:
-    """Relax one limit after the other until enough of them reach the goal."""
+    """Relax one limit after the other until enough of them reach the goal.
+
+    A climb that comes further and has a gripper that can nowhere hold alone tells nothing: the other one still makes
+    its move, longer with a longer stroke, say, and that is no way on.
+    """
     run, machine = lattice.run, lattice.machine
     far, helped = max(found.progress, search(lattice).progress) + FURTHER, _Helped()
+    binding = _too_much(machine, lattice.uses.least)
     others = other_machines(run, machine.robot) if run.goal_pipe != run.pipes[0].name else []
     for one in (*others, *relaxations(lattice)):
         tell(f"what if not for the {one.limit}")
@@ -102,50 +111,30 @@ def _what_helps(lattice: Lattice, found: Found, tell: Callable[[str], None]) -> 
             helped.enough.append(one)
             if len(helped.enough) == ENOUGH or one in others:
                 break
-        elif got is None or not _comes_further(got, one, found, far, lattice):
-            helped.vain.append(one.amount(1.0) + _impossible(one))
+        elif got is None or not (got.progress > far or got.standings and not found.standings):
+            helped.vain.append(one.limit)
+        elif left := _too_much(machine, got.least):
+            then = f" (without it holding alone takes at least {left})" if not binding else ""
+            helped.vain.append(one.limit + then)
         elif helped.best is None or got.progress > helped.best[1].progress:
             helped.best = (one, got)
     return helped
 
 
-def _comes_further(got: Found, one: Relaxation, found: Found, far: float, lattice: Lattice) -> bool:
-    """Whether a relaxed climb that does not reach the goal tells anything.
-
-    Where one gripper can nowhere hold alone the other one still makes its move, longer with a longer stroke, say:
-    that is no way on.
-    """
-    if not (got.progress > far or got.standings and not found.standings):
-        return False
-    if not _too_much(lattice):
-        return True
-    run, robot = one.change(1.0)
-    machine = Machine.of(robot, lattice.machine.payload)
-    return not _too_much(build_lattice(run, machine, stroke_on_straights(machine) / COARSE))
-
-
-def _too_much(lattice: Lattice) -> list[str]:
-    """What holding alone takes too much of wherever the robot stands."""
-    robot, least = lattice.machine.robot, lattice.uses.least
+def _too_much(machine: Machine, least: Array) -> str:
+    """What holding alone takes too much of wherever the robot stands, in words, by `uses.Uses.least`."""
     whats = (
-        "the grip that may be used", f"the cylinders' force of {robot.cylinders.force:.4g} N",
-        f"the servo's torque of {robot.build.servo_torque:.4g} N m",
+        "the grip that may be used", f"the cylinders' force of {machine.robot.cylinders.force:.4g} N",
+        f"the servo's torque of {machine.robot.build.servo_torque:.4g} N m",
     )  # fmt: skip
-    times = np.where(np.isfinite(least), least, 0.0).max(axis=0)
-    return [
-        f"{rounded_down(most, 1) if most < MANY else f'{most:.0e}'} times {what}"
-        for most, what in zip(times, whats, strict=True)
-        if most > 1.0
-    ]
+    most = np.where(np.isfinite(least), least, 0.0).max(axis=0)
+    said = [f"{_times(one)} times {what}" for one, what in zip(most, whats, strict=True) if one > 1.0]
+    return " and ".join([", ".join(said[:-1]), said[-1]]) if len(said) > 1 else "".join(said)
 
 
-def _impossible(one: Relaxation) -> str:
-    """Why there is no machine relaxed so far, in brackets; nothing where there is one."""
-    try:
-        one.change(1.0)
-    except SteeplejackError as error:
-        return f" (there are none: {error})"
-    return ""
+def _times(many: float) -> str:
+    """Rounded down, to the order of magnitude where there is no more to say."""
+    return rounded_down(many, 2 if many < 10.0 else 0) if many < MANY else f"1e{math.floor(math.log10(many))}"
 
 
 def climb_relaxed(one: Relaxation, share: float, payload: float, parts: tuple[int, ...] = (COARSE,)) -> Found | None:

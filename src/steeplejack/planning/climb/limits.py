@@ -30,6 +30,8 @@ LIMITS: tuple[Limit, ...] = ("plane", "shortest", "longest", "tilt", "hinge", "s
 SINGULAR = 1e-3
 """Least |det J| in parts of L1 that a climb goes near [1]; at home it is about 0.5."""
 ROUNDING = 1e-9
+MOST_PAYLOAD = 1e6
+"""[kg] Beyond what any robot lifts, and of what its square and cube are still numbers."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,8 @@ class Machine:
     @classmethod
     def of(cls, robot: PipeClimber, payload_kg: float = 0.0) -> Machine:
         """The planner's view of a machine with a payload on its upper gripper [kg]."""
-        if not 0.0 <= payload_kg < math.inf:
-            raise InputError("payload", f"{payload_kg:g} kg", "a finite mass of at least 0 kg")
+        if not 0.0 <= payload_kg <= MOST_PAYLOAD:
+            raise InputError("payload", f"{payload_kg:g} kg", f"0 to {MOST_PAYLOAD:g} kg")
         cylinders, layout = robot.cylinders, Layout.of(robot)
         shortest = np.maximum(cylinders.retracted, cylinders.reach[0])
         longest = np.minimum(np.array(cylinders.retracted) + cylinders.stroke, cylinders.reach[1])

@@ -10,7 +10,7 @@ import math
 
 from steeplejack.planning.climb.clocks import wanted_clocks
 from steeplejack.planning.climb.lattice import Lattice, deciding_limits
-from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.limits import ROUNDING, Machine
 from steeplejack.planning.climb.relaxation import (
     Problem,
     Relaxation,
@@ -54,6 +54,7 @@ def relaxations(lattice: Lattice) -> list[Relaxation]:
     choices = [
         (bool(robot.linkage.claw_offset), _claw_offset(run, robot)),
         (wide != robot.gripper.pipe_diameter, _grippers(run, machine, wide)),
+        (_thickest(run) > machine.lowest_bar and wide == robot.gripper.pipe_diameter, _bars(run, machine)),
         (standing, _clearance(run, machine)),
         (slips and robot.gait.reserve > 0.0, _reserve(run, robot)),
         (slips, _friction(run, robot)),
@@ -119,13 +120,26 @@ def _clearance(run: PipeRun, machine: Machine) -> Relaxation:
     )
 
 
+def _bars(run: PipeRun, machine: Machine) -> Relaxation:
+    """Bars that clear the thickest pipe."""
+    more = _thickest(run) - machine.lowest_bar + ROUNDING
+    return Relaxation(
+        f"bars, which pass pipes of up to {2e3 * machine.lowest_bar:.4g} mm",
+        lambda _k: (run, _roomier(machine.robot, more)),
+        lambda _k: f"bars {in_mm(more)} mm further out",
+        graded=False,
+    )
+
+
 def _grippers(run: PipeRun, machine: Machine, wide: tuple[float, float]) -> Relaxation:
     """Grippers for every pipe of the run, and bars that clear the thickest."""
     least, most = machine.robot.gripper.pipe_diameter
     more = max(0.0, _thickest(run) - machine.lowest_bar)
     room = f" with bars {in_mm(more)} mm further out" if more > 0.0 else ""
+    thinnest = 2.0 * machine.robot.build.least_radius
+    never = f" (jaws as wide hold none of {1e3 * thinnest:.4g} mm or less)" if wide[0] <= thinnest else ""
     return Relaxation(
-        f"grippers' range of pipe diameters, {1e3 * least:.4g} to {1e3 * most:.4g} mm",
+        f"grippers' range of pipe diameters, {1e3 * least:.4g} to {1e3 * most:.4g} mm{never}",
         lambda _k: (run, changed(_roomier(machine.robot, more), "gripper", pipe_diameter=wide)),
         lambda _k: f"grippers for {1e3 * wide[0]:.4g} to {1e3 * wide[1]:.4g} mm{room}",
         graded=False,

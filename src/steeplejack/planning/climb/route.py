@@ -31,19 +31,21 @@ class Found:
         progress: How far the lower gripper is along the way to the goal [m].
         complete: Whether that is the goal.
         duration: By the search [s].
+        least: What holding alone takes in the best of the lattice's states; see `uses.Uses`.
     """
 
     standings: tuple[Standing, ...]
     progress: float
     complete: bool
     duration: float
+    least: Array
 
 
 def search(lattice: Lattice) -> Found:
     """The fastest way over one lattice, ways between pipes proved one at a time."""
     banned, starts = np.empty((0, 2), dtype=np.int64), _start_states(lattice)
     if not len(starts):
-        return Found((), lattice.run.start_s, False, 0.0)
+        return Found((), lattice.run.start_s, False, 0.0, lattice.uses.least)
     count = 1  # the upper gripper as near as it can be, and wherever it can be if that leads nowhere
     while True:
         path, times, complete = _search_once(lattice, banned, starts[:count])
@@ -55,7 +57,7 @@ def search(lattice: Lattice) -> Found:
         else:
             count = len(starts)
     standings = _standings(lattice, path)
-    return Found(standings, progress(lattice.run, standings[-1].lower), complete, times)
+    return Found(standings, progress(lattice.run, standings[-1].lower), complete, times, lattice.uses.least)
 
 
 def progress(run: PipeRun, place: tuple[int, float]) -> float:

@@ -93,7 +93,7 @@ def swing(
 
     Returns:
         At least 1, and 1 where either end is too much or both so little that it cannot matter, (t,); and of what some
-        state on the way takes more than there is.
+        state that was looked at takes more than there is.
     """
     most, found, far = ends.max(axis=1), np.ones(len(ends)), np.abs(turns.by).max(axis=1, initial=0.0)
     near = np.flatnonzero((most <= 1.0) & (most > 1.0 - moving * np.tan(0.5 * far) ** 2))

@@ -75,7 +75,7 @@ def uses_of_states(
         found = judge(which, clocks[at[which]], clocks[near[at[which], slot]])
         uses[rows[which], at[which], slot] = _most(found)
         scarce |= exceeded(found)
-        least = np.fmin(least, found.min(axis=0, initial=np.inf))
+        least = np.fmin(least, np.fmin.reduce(found, axis=0, initial=np.inf))
         row, turn = np.nonzero(at[:, None] == below.start[:, 0])
         pair, one = rows[row], below.only(turn)
         taken = np.stack([uses[pair, *end.T, 1] for end in (one.start, one.end)], axis=-1).astype(np.float64)
@@ -169,7 +169,7 @@ def _on_straights(
         at = np.clip((gaps - knots[0]) / (knots[1] - knots[0]), 0.0, GAPS - 1.0)
         below = np.minimum(at.astype(np.int64), GAPS - 2)
         share = (at - below)[:, None, None]
-        most, least = _most(table), np.minimum(least, table.min(axis=(0, 1)))
+        most, least = _most(table), np.fmin(least, np.fmin.reduce(table.reshape(-1, 2, len(KINDS)), axis=0))
         uses[rows[:, None], high[None], slot[None]] = (1.0 - share) * most[below] + share * most[below + 1]
         dense = np.full((GAPS, *near.shape, 2), np.inf)
         dense[:, high, slot] = most

@@ -43,7 +43,7 @@ def progress_figure(log: ClimbLog, analysis: ClimbAnalysis) -> str:
 
 
 def loads_figure(log: ClimbLog, analysis: ClimbAnalysis) -> str:
-    """Cylinder forces, gripper forces and friction margins over time, and where a moving robot's margin is least."""
+    """Cylinder forces, gripper forces and friction margins over time, and where the margin is least."""
     samples, robot = log.samples, log.robot
     with canvas(6.4) as figure:
         force, grip, margin = figure.subplots(3, 1, sharex=True)
@@ -65,14 +65,13 @@ def loads_figure(log: ClimbLog, analysis: ClimbAnalysis) -> str:
         margin.axhline(0.0, color=VERMILION, lw=0.9, ls=DASHES)
         margin.set(ylabel="[1]", ylim=(min(-0.05, 1.1 * _least(samples.margin)), 1.0), xlabel="time [s]")
         margin.set_xlim(0.0, max(float(samples.time[-1]), 1e-9))
-        least = analysis.least_moving
-        if least is not None:
-            when = least.time
-            margin.plot(when, least.margin, "o", ms=7.0, mfc="none", mec=INK, mew=1.1)
-            right = when > 0.8 * float(samples.time[-1])
+        marks = {one: name for name, one in (("least", analysis.least), ("least moving", analysis.least_moving)) if one}
+        for row, (one, name) in enumerate(marks.items()):
+            margin.plot(one.time, one.margin, "o", ms=7.0, mfc="none", mec=INK, mew=1.1)
+            right = one.time > 0.8 * float(samples.time[-1])
             margin.annotate(
-                f"least moving: {least.margin:.2f}, {GRIPPERS[least.gripper][0]}", (when, least.margin),
-                xytext=(-8 if right else 8, 14), textcoords="offset points", ha="right" if right else "left",
+                f"{name}: {one.margin:z.2f}, {GRIPPERS[one.gripper][0]}", (one.time, one.margin),
+                xytext=(-8 if right else 8, 14 + 14 * row), textcoords="offset points", ha="right" if right else "left",
                 color=INK, fontsize=8.0,
                 bbox={"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8},
             )  # fmt: skip
