@@ -144,6 +144,11 @@ def test_friction_with_which_pads_jam_is_refused(tmp_path: Path):
         assert "\n" not in str(refused.value)
 
 
+def test_a_linkage_whose_parallelogram_would_be_flat_is_refused():
+    with pytest.raises(InputError, match=r"^`rcm.limit`: 1.5708 rad; below pi / 2, where the parallelogram is flat$"):
+        msgspec.structs.replace(ROBOT, rcm=msgspec.structs.replace(ROBOT.rcm, limit=0.5 * math.pi))
+
+
 def test_bad_input_is_refused_or_not_a_number():
     assert np.isnan(grip_use(BODY, [math.nan, 0.0, 0.0, 0.0, 0.0, 1.0]))
     with pytest.raises(InputError, match="moment and force"):

@@ -57,7 +57,7 @@ def wanted_clocks(run: PipeRun, machine: Machine) -> Array:
     anchors = _distinct(np.array([*anchors, *edges]))
     if len(anchors) == 1 or limit < LEAST_TURN:
         return anchors
-    turns = max(1, math.ceil(2.0 * math.pi / min(limit, math.pi) - 1e-9))
+    turns = math.ceil(2.0 * math.pi / limit - 1e-9)
     grid = run.start_clock + 2.0 * math.pi * np.arange(turns) / turns
     return _distinct(np.concatenate((anchors, grid, np.add.outer((-limit, limit), edges).ravel())))
 
@@ -75,7 +75,7 @@ def _clear(run: PipeRun, machine: Machine, one: PipeObstacle) -> list[float]:
     """Both ends of every range of clocks at which the mechanism passes an obstacle without turning, and its middle.
 
     What else may bind (weight, palm) leaves part of a range. The obstacle is held against all of the mechanism,
-    stretched as far as it goes on a straight.
+    stretched as far as it goes on a straight, on the tangent of its pipe at the obstacle.
     """
     gap = machine.straight_gaps[1]
     reach = 0.5 * (one.end - one.start) + BEYOND

@@ -144,7 +144,7 @@ class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     build: Build
 
     def __post_init__(self) -> None:
-        """Refuse grippers for pipes that slip between the pads of a jaw, and friction that makes pads jam."""
+        """Refuse pipes that slip between the pads of a jaw, friction that makes pads jam, a linkage that folds."""
         thinnest, least = self.gripper.pipe_diameter[0], 2.0 * self.build.least_radius
         if not thinnest > least:
             raise InputError("`gripper.pipe_diameter`", f"from {thinnest:g} m", f"above {least:g} m")
@@ -152,6 +152,8 @@ class PipeClimber(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if not self.gripper.friction < most:
             valid = f"below {most:.4g}, where pads jam on a pipe of {1e3 * thinnest:g} mm"
             raise InputError("`gripper.friction`", f"{self.gripper.friction:g}", valid)
+        if not self.rcm.limit < 0.5 * math.pi:
+            raise InputError("`rcm.limit`", f"{self.rcm.limit:g} rad", "below pi / 2, where the parallelogram is flat")
 
 
 def load_pipe_climber(robot: str | Path = BUILT_IN) -> PipeClimber:
