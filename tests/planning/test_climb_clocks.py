@@ -100,6 +100,15 @@ def test_turns_take_what_sampling_them_says(limit: float, rng: np.random.Generat
     assert (found[looked_at] > 1.001).any() and scarce <= {"grip", "force", "servo"}
 
 
+def test_a_robot_that_stands_on_no_straight_has_no_such_clocks():
+    """One cylinder is longer than its limb's hinges ever need, another too short to reach."""
+    cylinders = ROBOT.cylinders
+    odd = changed(ROBOT, "cylinders", retracted=(cylinders.reach[0], cylinders.reach[1] - 0.01, 0.12), stroke=0.01)
+    machine = Machine.of(odd)
+    assert machine.straight_gaps[1] < machine.straight_gaps[0]
+    assert len(wanted_clocks(lug(0.018, 0.0, 60.0), machine)) <= 14
+
+
 def test_a_linkage_that_hardly_turns_gives_no_steps():
     stiff = Machine.of(changed(ROBOT, "rcm", limit=math.radians(2.0)))
     run = load_pipe("around")

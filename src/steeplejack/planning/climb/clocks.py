@@ -77,7 +77,9 @@ def _clear(run: PipeRun, machine: Machine, one: PipeObstacle) -> list[float]:
     What else may bind (weight, palm) leaves part of a range. The obstacle is held against all of the mechanism,
     stretched as far as it goes on a straight, on the tangent of its pipe at the obstacle.
     """
-    gap = machine.straight_gaps[1]
+    least, gap = machine.straight_gaps
+    if gap < least:
+        return []
     reach = 0.5 * (one.end - one.start) + BEYOND
     along = np.arange(-reach, gap + reach, EVERY)
     point, frame = run.centre_line(0.5 * (one.start + one.end), one.pipe)
