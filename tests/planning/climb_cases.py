@@ -27,7 +27,7 @@ from steeplejack.worksite.pipe_run import PipeRun, build_run
 
 ROBOT = load_pipe_climber()
 PARTS = (5,)  # of the stroke; where sampling beats this the planner is asked with all of its lattices
-FURTHER = 0.006  # [m] by which sampling may come further: a cell is 5 mm where the planner gives up refining
+FURTHER = 0.003  # [m] by which sampling may come further: what a cell of the finest lattice is
 
 
 def changed(robot: PipeClimber, table: str, **values: object) -> PipeClimber:

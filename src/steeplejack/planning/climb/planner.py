@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from steeplejack.planning.climb.lattice import build_lattice
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.phases import phases
@@ -18,8 +16,6 @@ PARTS = (5, 10, 20)
 """Into how many parts lattices divide the stroke on a straight, coarsest first."""
 STATES = 600_000
 """A finer lattice with more states than this is only searched where the coarser ones find no way."""
-GAIN = 0.001
-"""A way that ends less than this further on a finer lattice is not looked for on the next one [m]."""
 NO_STROKE = 0.005
 """[m] What stands for the stroke on a straight where the machine has none, to lay the lattice by."""
 
@@ -59,10 +55,12 @@ def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -
 
 
 def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Found:
-    """The best climb the lattices hold: the finest affordable one, finer ones only where there is no way."""
+    """The best climb the lattices hold: the finest affordable one; where the first has no way to the goal, the finest."""
     stroke = stroke_on_straights(machine)
     best: Found | None = None
     for number in parts:
+        if best is not None and not best.complete and number != parts[-1]:
+            continue
         lattice = build_lattice(run, machine, stroke / number)
         if best is not None and best.complete and lattice.joined.coaxial.size * lattice.near.size > STATES:
             break
@@ -70,10 +68,7 @@ def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Fou
         better = best is None or (found.complete, found.progress, -found.duration) > (
             best.complete, best.progress + 1e-9 * (not found.complete), -best.duration,
         )  # fmt: skip
-        gain = found.progress - best.progress if best is not None else np.inf
         best = found if best is None or better else best
-        if not best.complete and gain < GAIN:
-            break
     assert best is not None
     return best
 
