@@ -55,7 +55,7 @@ def as_plan(run: PipeRun, machine: Machine, found: Found, blocked: str | None) -
 
 
 def climb(run: PipeRun, machine: Machine, parts: tuple[int, ...] = PARTS) -> Found:
-    """The best climb the lattices hold: the finest affordable one; where the first has no way to the goal, the finest."""
+    """The best climb the lattices hold: the finest affordable one; where the first has no way to the goal, the last."""
     stroke = stroke_on_straights(machine)
     best: Found | None = None
     for number in parts:
