@@ -86,7 +86,7 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
     summary = analysis.summary
     away, turned = analysis.largest_error
     moving, least = analysis.least_moving, analysis.least
-    changing = "" if least is None or least == moving else f"; {number(least.margin, 2)} {_where(least)}"
+    otherwise = "" if least is None or least == moving else f"; {number(least.margin, 2)} {_where(least)}"
     steps = f"in {summary.steps} step{'' if summary.steps == 1 else 's'}"
     way = number(abs(1e3 * summary.distance_m), 0)
     back = summary.distance_m < 0.0 and way != "0"
@@ -99,7 +99,7 @@ def _tiles(analysis: ClimbAnalysis) -> Markup:
         ("energy", number(analysis.energy, 1), "J", "put in by cylinders and servo"),
         ("largest force", number(summary.max_actuator_force_n), "N", "of a cylinder"),
         ("least friction left", number(moving.margin if moving else math.nan, 2), "",
-         (_where(moving) if moving else "nothing moved") + changing),
+         (_where(moving) if moving else "nothing moved") + otherwise),
         ("least transmission", number(summary.min_transmission, 2), "", "local index, along the climb"),
         ("pose error at gripping", number(1e3 * away, 2), "mm", missed),
     )  # fmt: skip
