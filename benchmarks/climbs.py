@@ -20,9 +20,10 @@ from msgspec.structs import replace as changed
 
 from steeplejack.planning.climb import ClimbPlan, plan_climb
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.planning.climb.places import footing
+from steeplejack.planning.climb.places import footing, lines_under
 from steeplejack.planning.climb.planner import climb as plan_of
 from steeplejack.robots.pipe_climber import BUILT_IN, Layout, PipeClimber, load_pipe_climber
+from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, pad_row
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.runtime.climb_record import EndRecord
@@ -106,11 +107,14 @@ def statics(plan: ClimbPlan, run: PipeRun, robot: PipeClimber) -> float:
             continue
         for at, pose in ((phase, phase.start), (after, phase.end)):
             end = 0 if phase.hold.value == "lower" else 1
-            gravity = np.array(run.gravity) @ lower_frame(run, at, machine.row)[:3, :3]
-            loads = grip_loads(robot, layout, np.array(pose), gravity)
-            pipe, s = ((at.pipe_lower, at.s_lower), (at.pipe_upper, at.s_upper))[end]
-            radius, rows = footing(machine, run.pipe(pipe), np.array([s]))[0]
-            left = min(left, 1.0 - float(grip_use(grip_body(robot, float(radius), int(rows)), loads[end])))
+            frame = lower_frame(run, at, machine.row)
+            loads = grip_loads(robot, layout, np.array(pose), np.array(run.gravity) @ frame[:3, :3])
+            name, s = ((at.pipe_lower, at.s_lower), (at.pipe_upper, at.s_upper))[end]
+            pipe, place = run.pipe(name), np.array([s])
+            radius, rows = footing(machine, pipe, place)[0]
+            held = frame @ free_gripper(np.array(pose), machine.claw_offset) if end else frame
+            lines = lines_under(machine, pipe, place)[0] @ held[:3, :3]
+            left = min(left, 1.0 - float(grip_use(grip_body(robot, float(radius), int(rows), lines), loads[end])))
     return left
 
 

@@ -21,7 +21,7 @@ from steeplejack.planning.climb.alone import along_way, uses_alone
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.robots.pipe_climber import Layout, PipeClimber, load_pipe_climber
 from steeplejack.robots.pipe_climber.bearing import holding_forces
-from steeplejack.robots.pipe_climber.pads import BOTH, grip_body, grip_use
+from steeplejack.robots.pipe_climber.pads import BOTH, STRAIGHT, grip_body, grip_use
 from steeplejack.robots.pipe_climber.weights import grip_loads
 from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.session import ClimbSession
@@ -72,8 +72,9 @@ def planned_to_hold(mu: float, load: float) -> bool:
     """As the planner counts: with the inertia of a move's ramps, and within the reserve of the robot file."""
     machine, along = Machine.of(with_friction(mu), load), poses()
     feet = np.broadcast_to([RADIUS, float(BOTH)], (len(along), 2, 2))
+    lines = np.broadcast_to(STRAIGHT, (len(along), 2, *STRAIGHT.shape))
     gravity = np.broadcast_to(GRAVITY, (len(along), 3))
-    return bool((uses_alone(machine, along, gravity, feet, along_way(machine, along)) <= 1.0).all())
+    return bool((uses_alone(machine, along, gravity, feet, lines, along_way(machine, along)) <= 1.0).all())
 
 
 def cylinders_hold(load: float) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import oracle_bends
 from oracle_bars import met, solids_of
 from oracle_bodies import Array, Bodies, gap_to_axis, moved
 from oracle_clearance import Jaws, closes, footing, hindrances, passes
@@ -50,6 +51,7 @@ class Rules:
         self.hindrances = hindrances(run, robot)
         home = np.array([robot.joints.home])
         self.side = np.sign(self.bodies.determinant(home)[0])
+        self._bent = np.array([not part.straight for part in self.pipe.parts])
         self.asked: list[Asked] = []
 
     @cached_property
@@ -81,6 +83,15 @@ class Rules:
         """Middle (k, 3) [m] and axes (k, 3, 3) of the lower gripper in the world."""
         point, frames = self.pipe.chord(standings[:, 0], self.jaws.row)
         return point, frames @ moved("z", standings[:, 2])[:, :3, :3]
+
+    def frames(self, standings: Array, upper: bool) -> tuple[Array, Array]:
+        """Middle (k, 3) [m] and axes (k, 3, 3) of the upper or of the lower gripper in the world."""
+        if not upper:
+            return self.lower_frames(standings)
+        alpha = self.poses(standings[:, :2], standings[:, 3])[0][:, 2]
+        turned = np.column_stack((standings[:, :2], standings[:, [3, 3]]))  # the mechanism and the lower gripper alike
+        axes = self.lower_frames(turned)[1] @ moved("y", alpha)[:, :3, :3]
+        return self.pipe.chord(standings[:, 1], self.jaws.row)[0], axes
 
     def _taken(self, pose: Array) -> Array:
         """Whether cylinders, tilt and the side of the singularity allow poses."""
@@ -144,10 +155,17 @@ class Rules:
             if not len(rows):
                 continue
             weight, pushes = loads(self.bodies, *self.motions(standings[rows], end), end)
-            radii, which = footing(self.robot, self.pipe, standings[rows, int(end)])
-            for radius, touching in set(zip(radii.tolist(), which.tolist(), strict=True)):
-                mine = (radii == radius) & (which == touching)
-                found[rows[mine]] = used(facets(self.pads, radius, touching), weight[mine], pushes[mine])
+            s = standings[rows, int(end)]
+            radii, which = footing(self.robot, self.pipe, s)
+            leans = np.any([self._bent[self.pipe.part_at(s + row)] for row in (-self.jaws.row, self.jaws.row)], axis=0)
+            for radius, touching, bent in set(zip(radii.tolist(), which.tolist(), leans.tolist(), strict=True)):
+                mine = (radii == radius) & (which == touching) & (leans == bent)
+                if bent:
+                    axes = self.frames(standings[rows[mine]], end)
+                    corners = oracle_bends.wrenches(self.pads, self.pipe, s[mine], axes, radius, touching)
+                    found[rows[mine]] = oracle_bends.used(corners, weight[mine], pushes[mine])
+                else:
+                    found[rows[mine]] = used(facets(self.pads, radius, touching), weight[mine], pushes[mine])
         found /= 1.0 - self.robot.gait.reserve
         self.asked.append(Asked(standings, upper, found))
         return found

@@ -15,7 +15,7 @@ from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import footing, trouble
 from steeplejack.robots.pipe_climber.bars import linkage_bars, ring_radius, widest_turn
 from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torques
-from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, LAST
+from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, LAST, STRAIGHT
 from steeplejack.worksite.pipe_builtin import load_pipe
 
 MACHINE = Machine.of(ROBOT, 0.2)
@@ -23,24 +23,29 @@ POSES = np.array([[0.0, 0.17, 0.0], [0.015, 0.19, 0.3], [-0.01, 0.16, -0.2]])
 GRAVITY = np.array([[1.0, -3.0, -9.0], [-6.0, 2.0, -7.0], [5.0, 5.0, 5.0]])
 
 
+def straight(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """What both grippers stand on where the pipe is straight."""
+    return np.full((count, 2, 2), [0.03, BOTH]), np.broadcast_to(STRAIGHT, (count, 2, *STRAIGHT.shape))
+
+
 def moved(machine: Machine, rates: float) -> tuple[np.ndarray, ...]:
-    """States, gravity, footing and what moves of the three poses, the speeds so many times the robot's."""
+    """States, gravity, pipes and what moves of the three poses, the speeds so many times the robot's."""
     quick = replace(machine, robot=changed(machine.robot, "gait", turn_speed=rates * machine.robot.gait.turn_speed))
     quick = replace(quick, robot=changed(quick.robot, "cylinders", speed=rates * quick.robot.cylinders.speed))
     ways = np.array([[[0.1, 1.0, 2.0], [-0.1, -1.0, 1.0]]] * 3)
     beta = np.array([0.0, 0.4, -0.3])
     freedoms = np.column_stack((POSES, beta))
-    return freedoms, GRAVITY, np.full((3, 2, 2), [0.03, BOTH]), either_way(quick, POSES, ways).at(np.arange(3), beta)
+    return freedoms, GRAVITY, *straight(3), either_way(quick, POSES, ways).at(np.arange(3), beta)
 
 
 def test_drives_bear_the_weight_and_what_the_ramps_add():
     still = uses_alone(MACHINE, *moved(MACHINE, 1e-9))[..., 1:]
-    freedoms, gravity, feet, (loads, drives) = moved(MACHINE, 1.0)
+    freedoms, gravity, *pipes, (loads, drives) = moved(MACHINE, 1.0)
     forces = holding_forces(ROBOT, MACHINE.layout, freedoms, gravity, 0.2)
     torques = servo_torques(ROBOT, MACHINE.layout, freedoms, gravity, 0.2)
     np.testing.assert_allclose(still[..., 0], np.abs(forces).max(axis=-1) / ROBOT.cylinders.force, rtol=1e-6)
     np.testing.assert_allclose(still[..., 1], np.abs(torques) / ROBOT.build.servo_torque, rtol=1e-6)
-    moving = uses_alone(MACHINE, freedoms, gravity, feet, (loads, drives))[..., 1:]
+    moving = uses_alone(MACHINE, freedoms, gravity, *pipes, (loads, drives))[..., 1:]
     worst = np.abs(forces) + np.abs(drives[..., :3]).max(axis=0)  # either way of either: signs agree in one of them
     np.testing.assert_allclose(moving[..., 0], worst.max(axis=-1) / ROBOT.cylinders.force)
     worst = np.abs(torques) + np.abs(drives[..., 3]).max(axis=0)
@@ -62,12 +67,11 @@ def test_weak_cylinders_and_a_weak_servo_are_limits_of_their_own(table: str, nam
 
 def test_a_plan_counts_weight_inertia_and_reserve():
     """Up a vertical pipe it is the closed form: mass times g, and what accelerates, against friction less reserve."""
-    feet = np.full((1, 2, 2), [0.03, BOTH])
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     machine = Machine.of(changed(ROBOT, "gait", reserve=0.2, turn_speed=1e-9))
     moving = either_way(machine, pose, ways).at(np.array([0]), np.zeros(1))
-    used, pushes = uses_alone(machine, still, gravity, feet, moving)[0, :, 0], moving[0]
+    used, pushes = uses_alone(machine, still, gravity, *straight(1), moving)[0, :, 0], moving[0]
     holds = ROBOT.gripper.friction * ROBOT.gripper.force * ROBOT.gripper.jaws
     for end in range(2):
         inertia = np.abs(pushes[:, 0, end, 5]).max()
@@ -78,13 +82,12 @@ def test_a_plan_counts_weight_inertia_and_reserve():
 
 
 def test_turning_takes_grip_of_its_own():
-    feet = np.full((1, 2, 2), [0.03, BOTH])
     pose, ways = np.array([[0.0, 0.175, 0.0]]), np.array([[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]])
     gravity, still = np.array([[0.0, 0.0, -9.81]]), np.array([[0.0, 0.175, 0.0, 0.0]])
     used = [
-        uses_alone(machine, still, gravity, feet, either_way(machine, pose, ways).at(np.array([0]), np.zeros(1)))[
-            0, 0, 0
-        ]
+        uses_alone(
+            machine, still, gravity, *straight(1), either_way(machine, pose, ways).at(np.array([0]), np.zeros(1))
+        )[0, 0, 0]
         for machine in (Machine.of(changed(ROBOT, "gait", turn_speed=speed)) for speed in (1e-9, 1.0, 2.0))
     ]
     assert used[0] < used[1] < used[2] and used[1] - used[0] > 0.02

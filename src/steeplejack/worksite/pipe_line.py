@@ -125,6 +125,17 @@ class Pipe:
         turned = np.swapaxes(frames, -1, -2) + sideways + twice / (1.0 + cosine)
         return 0.5 * (first + last), np.swapaxes(turned, -1, -2)
 
+    def lines(self, s: ArrayLike) -> Array:
+        """Unit tangents and curvature vectors of the centre line at places (...) along the pipe, (..., 2, 3) [1, 1/m].
+
+        Args:
+            s: Along the pipe [m].
+        """
+        _points, frames = self.centre_line(s)
+        bends = np.array([[math.cos(one.toward), math.sin(one.toward), 0.0] for one in self.parts])
+        inward = (bends / np.array([[one.radius] for one in self.parts]))[self.part_at(s)]
+        return np.stack((frames[..., 2], (frames @ inward[..., None])[..., 0]), axis=-2)
+
     def radius(self, s: ArrayLike) -> Array:
         """Of the pipe's outside at places along it (...) [m]."""
         radii = np.array([0.5 * part.diameter for part in self.parts])

@@ -8,6 +8,7 @@ to either side. A plan leaves the reserve of the robot file unused: uses of a gr
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,7 +20,7 @@ from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torque
 from steeplejack.robots.pipe_climber.inertia import inertia
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.jacobian import jacobian
-from steeplejack.robots.pipe_climber.pads import grip_body, grip_use
+from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, tightest
 from steeplejack.robots.pipe_climber.weights import grip_loads
 
 Array = NDArray[np.float64]
@@ -32,9 +33,11 @@ STRAIGHT = 1e-8
 """Least x [m] or alpha [rad] of a pose off the straight."""
 Kind = Literal["grip", "force", "servo"]
 KINDS: tuple[Kind, ...] = ("grip", "force", "servo")
+DIGITS = 9
+"""Of tangents and curvatures that count as one, for grips to be judged together."""
 
 
-def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, moving: Inertia) -> Array:
+def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, lines: Array, moving: Inertia) -> Array:
     """What holding alone takes of the lower and of the upper gripper, in parts of what there is.
 
     Args:
@@ -43,6 +46,7 @@ def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, m
         gravity: In the lower gripper's frame, (k, 3) [m/s2].
         feet: Radius of the pipe [m] and touching rows at the lower and the upper gripper, (k, 2, 2); see
             `places.footing`.
+        lines: Tangent and curvature of the pipe under each gripper's rows, in its frame, (k, 2, 2, 2, 3) [1, 1/m].
         moving: Inertia to try.
 
     Returns:
@@ -50,25 +54,47 @@ def uses_alone(machine: Machine, freedoms: Array, gravity: Array, feet: Array, m
         cylinder or the servo is too weak; NaN at a singular pose.
     """
     return np.append(
-        _grips(machine, freedoms, gravity, feet, moving[0]), _drives(machine, freedoms, gravity, moving[1]), axis=-1
+        _grips(machine, freedoms, gravity, feet, lines, moving[0]),
+        _drives(machine, freedoms, gravity, moving[1]),
+        axis=-1,
     )
 
 
-def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, pushes: Array) -> Array:
-    """Of the grips, (k, 2, 1); infinite on a pipe that grippers are not for."""
+def seen(lines: Array, frames: Array) -> Array:
+    """Tangents and curvatures of pipes in the frames of the grippers on them.
+
+    Args:
+        lines: Under each gripper's rows, in the world (k, 2, 2, 2, 3) [1, 1/m].
+        frames: Of the grippers (k, 2, 3, 3).
+    """
+    return np.einsum("kgrvi,kgij->kgrvj", lines, frames)
+
+
+def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, lines: Array, pushes: Array) -> Array:
+    """Of the grips, (k, 2, 1); infinite on a pipe that grippers are not for, or a bend that pads do not reach round."""
     loads = grip_loads(machine.robot, machine.layout, freedoms, gravity, machine.payload)
     tried = np.moveaxis(loads + pushes, 0, 1)  # those of one state together: each is near the last one
     use = np.zeros((len(freedoms), 2, 1))
     thinnest, thickest = (0.5 * one for one in machine.robot.gripper.pipe_diameter)
     for end in range(2):
-        for radius, rows in np.unique(feet[:, end], axis=0):
-            mine = (feet[:, end, 0] == radius) & (feet[:, end, 1] == rows)
-            if not thinnest - ROUNDING <= radius <= thickest + ROUNDING:
+        rests = np.column_stack((feet[:, end], np.round(lines[:, end].reshape(-1, lines[0, end].size), DIGITS)))
+        for (radius, rows, *rest), mine in _alike(rests):
+            line, reach = np.reshape(rest, lines.shape[2:]), radius + machine.robot.build.pad_radius
+            if not thinnest - ROUNDING <= radius <= thickest + ROUNDING or tightest(line) <= reach:
                 use[mine, end, 0] = np.inf
                 continue
-            body = grip_body(machine.robot, float(radius), int(rows))
+            body = grip_body(machine.robot, radius, int(rows), line)
             use[mine, end, 0] = grip_use(body, tried[mine, :, end]).max(axis=1)
     return use / (1.0 - machine.robot.gait.reserve)
+
+
+def _alike(rows: Array) -> Iterator[tuple[list[float], Indices]]:
+    """The different rows of a table (k, n), and where each stands."""
+    order = np.lexsort(rows.T)
+    ahead = rows[order]
+    begin = np.flatnonzero(np.append(True, (ahead[1:] != ahead[:-1]).any(axis=1))) if len(rows) else np.empty(0, int)
+    for first, mine in zip(begin, np.split(order, begin[1:]), strict=True):
+        yield ahead[first].tolist(), mine
 
 
 def _drives(machine: Machine, freedoms: Array, gravity: Array, added: Array) -> Array:

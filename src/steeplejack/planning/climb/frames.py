@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from steeplejack.planning.climb.alone import along_way, uses_alone
+from steeplejack.planning.climb.alone import along_way, seen, uses_alone
 from steeplejack.planning.climb.collide import meets
 from steeplejack.planning.climb.limits import Machine
-from steeplejack.planning.climb.places import footing
+from steeplejack.planning.climb.places import footing, lines_under
 from steeplejack.planning.climb.plan import Hold
 from steeplejack.planning.climb.solids import Solids
 from steeplejack.robots.pipe_climber.bars import linkage_bars, mechanism_bars
@@ -69,20 +69,25 @@ def touching(solids: Solids, machine: Machine, lowers: Array, freedoms: Array, a
 
 
 def worst_uses(
-    run: PipeRun, machine: Machine, lowers: Array, freedoms: Array, at: Sequence[tuple[str, float]], holds: Hold
-) -> Array:
+    run: PipeRun, machine: Machine, frames: tuple[Array, Array], freedoms: Array, at: Sequence[tuple[str, float]],
+    holds: Hold,
+) -> Array:  # fmt: skip
     """The most that holding alone takes on the way of grip, force and torque, (3,); see `alone.uses_alone`.
 
     Args:
         run: Of pipes.
         machine: What climbs.
-        lowers: Frames of the lower gripper, (k, 4, 4).
+        frames: Of the lower and the upper gripper, (k, 4, 4) each.
         freedoms: Along the way, (k, 4) [m, m, rad, rad].
         at: Pipe and place [m] of the lower and the upper gripper; only that of the one that holds counts.
         holds: Which one.
     """
-    gravity = np.einsum("kij,i->kj", lowers[:, :3, :3], np.array(run.gravity))
-    feet = np.array([footing(machine, run.pipe(name), np.array([s]))[0] for name, s in at])
-    both = np.broadcast_to(feet, (len(freedoms), 2, 2))
-    uses = uses_alone(machine, freedoms, gravity, both, along_way(machine, freedoms))
+    pipes, s = [run.pipe(name) for name, _s in at], [np.array([one]) for _name, one in at]
+    feet = np.array([footing(machine, *one)[0] for one in zip(pipes, s, strict=True)])
+    lines = np.array([lines_under(machine, *one)[0] for one in zip(pipes, s, strict=True)])
+    rests = seen(lines[None], np.stack([each[:1, :3, :3] for each in frames], axis=1))  # the one that holds stays
+    count = len(freedoms)
+    every = (np.broadcast_to(feet, (count, *feet.shape)), np.broadcast_to(rests, (count, *rests.shape[1:])))
+    gravity = np.array(run.gravity) @ frames[0][:, :3, :3]
+    uses = uses_alone(machine, freedoms, gravity, *every, along_way(machine, freedoms))
     return uses[:, int(holds is Hold.UPPER)].max(axis=0)

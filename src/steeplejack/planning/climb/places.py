@@ -29,7 +29,7 @@ Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter"]
 PALM = -0.5 * math.pi
 """Clock of the palm's middle from the robot's X axis [rad]."""
 
-COLUMNS = ("pipe", "s", "points", "frames", "holds", "footing")
+COLUMNS = ("pipe", "s", "points", "frames", "holds", "footing", "lines")
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,7 @@ class Places:
         frames: Its frame at clock 0, (n, 3, 3).
         holds: Whether the gripper may close there, (n,).
         footing: What its pads then rest on, (n, 2); see `footing`.
+        lines: Tangent and curvature of the pipe under its first and its last row, in the world, (n, 2, 2, 3) [1, 1/m].
     """
 
     pipe: Indices
@@ -51,6 +52,7 @@ class Places:
     frames: Array
     holds: Flags
     footing: Array
+    lines: Array
 
     def only(self, which: Indices) -> Places:
         """Some of the places."""
@@ -70,7 +72,8 @@ def places_on(run: PipeRun, machine: Machine, index: int, s: Array) -> Places:
     pipe = run.pipes[index]
     holds = ~np.any([flags for _why, flags in trouble(run, machine, pipe, s)], axis=0)
     which = np.full(len(s), index, dtype=np.int64)
-    return Places(which, s, *pipe.chord(s, machine.row), holds, footing(machine, pipe, s))
+    rests = footing(machine, pipe, s), lines_under(machine, pipe, s)
+    return Places(which, s, *pipe.chord(s, machine.row), holds, *rests)
 
 
 def joined_places(parts: list[Places]) -> Places:
@@ -171,6 +174,11 @@ def _rows(machine: Machine) -> list[tuple[float, float]]:
 def footing(machine: Machine, pipe: Pipe, s: Array) -> Array:
     """Radius of the pipe [m] under the rows of pads that touch it, and which do (`pads.BOTH` ...), (k, 2)."""
     return _standing(machine, pipe, s)[0]
+
+
+def lines_under(machine: Machine, pipe: Pipe, s: Array) -> Array:
+    """Tangent and curvature under the rows of pads, see `worksite.pipe_line.Pipe.lines`, (k, 2, 2, 3)."""
+    return pipe.lines(s[:, None] + machine.row * np.array([-1.0, 1.0]))
 
 
 def _standing(machine: Machine, pipe: Pipe, s: Array) -> tuple[Array, Flags]:

@@ -73,9 +73,9 @@ def _phase(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
 
 def _borne(phase: Phase, run: PipeRun, machine: Machine) -> list[str]:
     """The gripper that holds alone and the drives bear weight and inertia throughout."""
-    lowers, _uppers = _frames(phase, run, machine, phase.poses, phase.hold)
+    frames = _frames(phase, run, machine, phase.poses, phase.hold)
     places = ((phase.pipe_lower, phase.s_lower), (phase.pipe_upper, phase.s_upper))
-    uses = worst_uses(run, machine, lowers, phase.poses, places, phase.hold)
+    uses = worst_uses(run, machine, frames, phase.poses, places, phase.hold)
     whats = (f"the {phase.hold.value} gripper slips or tilts", "a cylinder is too weak", "the servo is too weak")
     return [
         f"{what}: {use:.4f} of what a plan may use"

@@ -193,8 +193,8 @@ def _hindered(lattice: Lattice, start: Standing, end: Standing, poses: Array) ->
     holds = Hold.UPPER if lower_moves(start, end) else Hold.LOWER
     freedoms = np.append(poses, np.full((len(poses), 1), start.freedoms[3]), axis=1)
     at = (run.pipes[start.lower[0]].name, start.lower[1], start.lower_clock)
-    lowers, _uppers = gripper_frames(run, machine, at, np.array(start.freedoms), freedoms, holds)
-    if touching(lattice.solids, machine, lowers, freedoms, AIR, linkage=False).any():
+    frames = gripper_frames(run, machine, at, np.array(start.freedoms), freedoms, holds)
+    if touching(lattice.solids, machine, frames[0], freedoms, AIR, linkage=False).any():
         return True
     places = [(run.pipes[pipe].name, s) for pipe, s in (start.lower, start.upper)]
-    return bool((worst_uses(run, machine, lowers, freedoms, places, holds) > 1.0).any())
+    return bool((worst_uses(run, machine, frames, freedoms, places, holds) > 1.0).any())

@@ -8,12 +8,14 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from steeplejack.planning.climb.alone import KINDS, EitherWay, Kind, either_way, uses_alone
+from steeplejack.planning.climb.alone import KINDS, EitherWay, Kind, either_way, seen, uses_alone
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.pairs import Joined, poses_at
 from steeplejack.planning.climb.places import Places
 from steeplejack.planning.climb.turns import ALL, GRIPPER, Turns, exceeded, swing, turns_of
+from steeplejack.robots.pipe_climber.grippers import free_gripper
 from steeplejack.worksite.pipe_run import PipeRun
 
 Array = NDArray[np.float64]
@@ -124,12 +126,12 @@ def states(
         low: Those of the lower one.
     """
     beta = (high - low + math.pi) % (2.0 * math.pi) - math.pi
-    g = (np.swapaxes(lower.frames, -1, -2) @ np.array(run.gravity)[:, None])[which, :, 0]
-    c, s = np.cos(low), np.sin(low)
-    turned = np.stack((g[:, 0] * c + g[:, 1] * s, g[:, 1] * c - g[:, 0] * s, g[:, 2]), axis=-1)
-    feet = np.stack((lower.footing, upper.footing), axis=1)[which]
     freedoms = np.append(poses[which], beta[:, None], axis=1)
-    return uses_alone(machine, freedoms, turned, feet, moving.at(which, beta))
+    frames = lower.frames[which] @ Rotation.from_euler("z", low[:, None]).as_matrix()
+    both = np.stack((frames, frames @ free_gripper(freedoms, machine.claw_offset)[:, :3, :3]), axis=1)
+    feet, lines = (np.stack((getattr(lower, one), getattr(upper, one)), axis=1)[which] for one in ("footing", "lines"))
+    gravity = np.array(run.gravity) @ frames
+    return uses_alone(machine, freedoms, gravity, feet, seen(lines, both), moving.at(which, beta))
 
 
 def _on_straights(

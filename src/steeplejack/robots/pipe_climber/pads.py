@@ -1,9 +1,11 @@
 """What a gripper holds: friction on its eight pads against a force and a moment at once.
 
 Two jaws close along X of the gripper; each has four pads, at half the jaw's width to either side and near both ends of
-its length. A pad touches the pipe of radius r at clock phi from its jaw's way, ``sin phi = (width / 2) / (r + r_pad)``,
-pushes with N >= 0 along the radius and rubs with up to ``mu N`` within the pipe's surface. The drive closes both jaws
-by one gear and presses until the pads' normal forces add up to the gripper's force a jaw, so
+its length. A pad touches the pipe where the centre line is nearest to it, pushes with N >= 0 along the normal there and
+rubs with up to ``mu N`` within the pipe's surface. On a straight pipe of radius r that is at clock phi from its jaw's
+way, ``sin phi = (width / 2) / (r + r_pad)``; in a bend the gripper sits on the chord between its two rows of pads, and
+the surface leans under them. The drive closes both jaws by one gear and presses until on a straight the pads' normal
+forces add up to the gripper's force a jaw, so
 
     sum_i s_i (f_i . x) = 2 F cos phi,    s = +1 on the jaw at +X, -1 on the other
 
@@ -34,6 +36,10 @@ from steeplejack.robots.pipe_climber.parameters import PipeClimber
 
 Array = NDArray[np.float64]
 
+STRAIGHT = np.array([[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]] * 2)
+"""Tangent and curvature of a straight pipe under both rows of pads, in the gripper's frame [1, 1/m]."""
+CLOSER = 5
+"""Steps of Newton's method that close a jaw; its distance from the pipe is convex."""
 EDGES = 16
 """Edges of the pyramids inside the friction cones; along and around the pipe they touch it, else 2 % are lost."""
 JAM = 1e-3
@@ -75,32 +81,85 @@ def pad_place(robot: PipeClimber, radius: float) -> float:
     return (radius + robot.build.pad_radius) * math.cos(pad_clock(robot, radius))
 
 
-def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH) -> Array:
+def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH, lines: ArrayLike = STRAIGHT) -> Array:
     """Corners of the set of wrenches that the pads of a closed gripper give.
+
+    All pads count, as they do once a gripper that is loaded has settled: where only one row lies in a bend, the other
+    one stands off by up to r (1 / cos(lean) - 1) before, 0.15 mm on a pipe of 60 mm bent with 300 mm.
 
     Args:
         robot: The machine; jaws, pads, force and friction.
         radius: Of the pipe [m].
         rows: Which rows of pads touch it, `BOTH`, `FIRST` or `LAST`: jaws are stiff and slide across the pipe, so that
             of rows on two diameters those on the larger one do.
+        lines: Tangent and curvature vector of the pipe's centre line under the first and the last row, in the gripper's
+            frame, (2, 2, 3) [1, 1/m].
 
     Returns:
         (pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
 
     Raises:
-        InputError: A pipe too thin for the pads of a jaw, or one so thin that they jam with this friction.
+        InputError: A pipe too thin for the pads of a jaw, one so thin that they jam with this friction, or a bend so
+            tight that a pad would lie over its centre.
     """
-    phi, row, friction = pad_clock(robot, radius), pad_row(robot), robot.gripper.friction
+    phi, friction, given = pad_clock(robot, radius), robot.gripper.friction, np.asarray(lines, dtype=np.float64)
+    if tightest(given) <= radius + robot.build.pad_radius:
+        valid = f"above {1e3 * (radius + robot.build.pad_radius):g} mm"
+        raise InputError("bend radius", f"{1e3 * tightest(given):g} mm", valid)
     most = robot.build.jamming_friction(radius)
     if not friction < most:
         valid = f"below {most:.4g}, where pads jam on a pipe of {2e3 * radius:g} mm"
         raise InputError("friction", f"{friction:g}", valid)
-    ends = {BOTH: (1.0, -1.0), FIRST: (-1.0,), LAST: (1.0,)}[rows]
+    ends = {BOTH: (1, 0), FIRST: (0,), LAST: (1,)}[rows]
     corners = np.array([(jaw, side, end) for jaw in (1.0, -1.0) for side in (1.0, -1.0) for end in ends])
-    jaw, side, end = corners.T
-    normals = np.stack((jaw * math.cos(phi), side * math.sin(phi), np.zeros(len(jaw))), axis=-1)
-    places = radius * normals + np.stack((0.0 * end, 0.0 * end, end * row), axis=-1)
+    jaw, row = corners[:, 0], corners[:, 2].astype(np.int64)
+    places, normals = _contacts(robot, radius, jaw, corners[:, 1], given[row])
+    places[:, 2] += pad_row(robot) * (2.0 * row - 1.0)
     return pad_wrenches(places, normals, jaw, friction, robot.gripper.jaws * robot.gripper.force * math.cos(phi))
+
+
+def tightest(lines: Array) -> float:
+    """Least radius of the bends under the rows of pads, infinite on straights [m]; lines as of `grip_body`."""
+    curvature = float(np.sqrt((lines[:, 1] ** 2).sum(axis=-1)).max())
+    return 1.0 / curvature if curvature > 0.0 else math.inf
+
+
+def _contacts(robot: PipeClimber, radius: float, jaw: Array, side: Array, lines: Array) -> tuple[Array, Array]:
+    """Where pads of closed jaws touch a pipe and its normals there, (k, 3) each, from the centre line under their row.
+
+    Args:
+        robot: The machine.
+        radius: Of the pipe [m].
+        jaw: 1 for a pad of the jaw at +X, -1 for one of the other, (k,).
+        side: 1 for a pad at +Y, -1 for one at -Y, (k,).
+        lines: Of the centre line, (k, 2, 3).
+    """
+    reach = radius + robot.build.pad_radius
+    pads = np.stack((jaw * pad_place(robot, radius), 0.5 * robot.build.jaw_width * side, 0.0 * jaw), axis=-1)
+    nearest, normals = np.empty_like(pads), np.empty_like(pads)
+    circles = _circles(lines)
+    for _ in range(CLOSER):
+        nearest = _nearest(pads, lines[:, 0], *circles)
+        normals = pads - nearest
+        away = np.sqrt((normals**2).sum(axis=-1))
+        normals /= away[:, None]
+        pads[:, 0] += (reach - away) / normals[:, 0]
+    return nearest + radius * normals, normals
+
+
+def _circles(lines: Array) -> tuple[Array, Array, Array]:
+    """Middles (k, 3), axes (k, 3) and radii (k, 1) of centre lines through the origin; radius 0 for a straight one."""
+    curvature = np.sqrt((lines[:, 1] ** 2).sum(axis=-1, keepdims=True))
+    radii = np.divide(1.0, curvature, out=np.zeros_like(curvature), where=curvature > 0.0)
+    return lines[:, 1] * radii**2, np.cross(lines[:, 0], lines[:, 1]) * radii, radii
+
+
+def _nearest(points: Array, tangents: Array, middles: Array, axes: Array, radii: Array) -> Array:
+    """Points of centre lines nearest to others (k, 3) [m]."""
+    out = points - middles
+    out = out - axes * (out * axes).sum(axis=-1, keepdims=True)
+    on_circles = middles + out * (radii / np.sqrt((out**2).sum(axis=-1, keepdims=True)))
+    return np.where(radii > 0.0, on_circles, tangents * (points * tangents).sum(axis=-1, keepdims=True))
 
 
 def pad_wrenches(
