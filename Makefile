@@ -3,8 +3,12 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --no-compile --quiet --disable-pip-version-check -c requirements.lock
 
-.PHONY: inspect climb test test-long bench docs clean
+# Where the environment forbids it, every process of the tests would byte-compile the libraries it imports again.
+export PYTHONDONTWRITEBYTECODE :=
+
+.PHONY: inspect climb test types pytest test-long bench docs clean
 
 # Set up and run the main job: plan, simulate and report the inspection of a bay of a real-sized bridge.
 inspect: $(VENV)/ready
@@ -14,14 +18,20 @@ inspect: $(VENV)/ready
 climb: $(VENV)/ready
 	$(BIN)/steeplejack climb straight-vertical --out out
 
-# What CI runs: style, types, layering, tests, the docs. Most of the tests' time is compiling kernels: tests/conftest.py
-# keeps those that share them with one worker, and they are optimised less than what users run.
+# What CI runs: style, the docs, types, layering, tests. The type checker has one thread: the tests run beside it.
 test: $(VENV)/ready-dev
 	$(BIN)/ruff check src tests benchmarks examples
 	$(BIN)/ruff format --check src tests benchmarks examples
-	$(BIN)/basedpyright --pythonpath $(BIN)/python
-	NUMBA_OPT=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 	$(BIN)/mkdocs build --strict --quiet
+	$(MAKE) --no-print-directory -j 2 types pytest
+
+types: $(VENV)/ready-dev
+	$(BIN)/basedpyright --pythonpath $(BIN)/python
+
+# Most of the tests' time is compiling kernels: tests/conftest.py keeps those that share them with one worker, and they
+# are optimised less than what users run.
+pytest: $(VENV)/ready-dev
+	NUMBA_OPT=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
 # Every test, the long ones too.
 test-long: $(VENV)/ready-dev
@@ -44,14 +54,16 @@ bench: $(VENV)/ready-dev
 docs: $(VENV)/ready-dev
 	$(BIN)/mkdocs build --strict
 
-$(VENV)/ready: pyproject.toml requirements.lock
+$(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --no-compile --quiet --disable-pip-version-check -c requirements.lock -e .
+
+$(VENV)/ready: pyproject.toml requirements.lock | $(BIN)/python
+	$(INSTALL) -e .
 	touch $@
 
-$(VENV)/ready-dev: $(VENV)/ready
-	$(BIN)/python -m pip install --no-compile --quiet --disable-pip-version-check -c requirements.lock -e ".[dev]"
-	touch $@
+$(VENV)/ready-dev: pyproject.toml requirements.lock | $(BIN)/python
+	$(INSTALL) -e ".[dev]"
+	touch $(VENV)/ready $@
 
 clean:
 	rm -rf $(VENV) out site

@@ -15,7 +15,7 @@ from xdist.scheduler import LoadFileScheduling
 from steeplejack.robots.squad import Bay, Squad, load_squad
 from steeplejack.worksite import Bridge, load_worksite
 
-SHARED = re.compile(r"tests/(control|planning|report|runtime|safety|simulation)/test_(?!climb)")
+SHARED = re.compile(r"tests/((control|planning|report|runtime|safety|simulation)/test_(?!climb)|robots/test_squad)")
 """Tests of the squad, which compile the same kernels."""
 
 

@@ -159,12 +159,15 @@ def test_output_to_a_full_disk(folder: Path, arguments: list[str]) -> None:
     assert run.stderr == "output: No space left on device; a disk with room\n"
 
 
-def test_files_on_a_full_disk(folder: Path) -> None:
-    arguments = "map table-iii --phi-deg 50 --step-m 0.05 --out out".split()
+def test_files_on_a_full_disk(steeplejack: Run) -> None:
+    """Only the command's own files: its kernels are compiled and kept before, and byte code cut off would be kept."""
+    arguments = "map table-iii --phi-deg 50 --step-m 0.05 --out".split()
+    assert steeplejack(*arguments, "before").code == 0
     run = subprocess.run(
-        [*PROGRAM, *arguments],
+        [*PROGRAM, *arguments, "out"],
         capture_output=True,
         text=True,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, SMALL)),
     )
     assert run.returncode == 2

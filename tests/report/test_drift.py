@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -23,6 +25,7 @@ EXITS = np.array([[-14.0, -6.0, -4.5], [13.0, -5.0, -4.0], [16.0, 12.0, 14.0], [
 PLACE = np.array([0.6, 0.2, -1.4])
 
 
+@cache
 def planned() -> tuple[Array, Array]:
     """Orientation and tensions of the planned equilibrium, turned in the world so that no axis is special."""
     low, high = np.full(4, 5.0), np.full(4, 500.0)
@@ -38,32 +41,30 @@ def planned() -> tuple[Array, Array]:
     return rotation, tension
 
 
-ROTATION, TENSION = planned()
-
-
 def lengths(exits: Array, position: Array, rotation: Array) -> Array:
     return np.linalg.norm(exits - position - ATTACHMENTS @ rotation.T, axis=1)
 
 
 def rest(moved: Array) -> Array:
     """Where the control law brings the platform to rest with exits really moved, by the full equations (6,)."""
-    goal = lengths(EXITS, PLACE, ROTATION)
+    turn, tension = planned()
+    goal = lengths(EXITS, PLACE, turn)
 
     def missing(x: Array) -> Array:
-        rotation, position = from_vector(x[:3]) @ ROTATION, PLACE + x[3:]
+        rotation, position = from_vector(x[:3]) @ turn, PLACE + x[3:]
         arms = ATTACHMENTS @ rotation.T
         reach = EXITS + moved - position - arms
         u = reach / np.linalg.norm(reach, axis=1, keepdims=True)
-        force = TENSION[:, None] * u
+        force = tension[:, None] * u
         wrench = np.concatenate(
             [np.cross(arms, force).sum(0) + np.cross(rotation @ CENTRE, WEIGHT), force.sum(0) + WEIGHT]
         )
         # In the plane: the planned structure matrix makes least squares of the four lengths' errors.
-        arms0 = ATTACHMENTS @ ROTATION.T
+        arms0 = ATTACHMENTS @ turn.T
         u0 = (EXITS - PLACE - arms0) / goal[:, None]
-        matrix = np.column_stack([u0 @ ROTATION[:, 0], u0 @ ROTATION[:, 1], np.cross(arms0, u0) @ ROTATION[:, 2]])
+        matrix = np.column_stack([u0 @ turn[:, 0], u0 @ turn[:, 1], np.cross(arms0, u0) @ turn[:, 2]])
         plane = matrix.T @ (lengths(EXITS + moved, position, rotation) - goal)
-        out = [wrench[:3] @ ROTATION[:, 0], wrench[:3] @ ROTATION[:, 1], wrench[3:] @ ROTATION[:, 2]]
+        out = [wrench[:3] @ turn[:, 0], wrench[:3] @ turn[:, 1], wrench[3:] @ turn[:, 2]]
         return np.concatenate([plane, out])
 
     x, _info, found, message = fsolve(missing, np.zeros(6), full_output=True, xtol=1e-13)
@@ -72,8 +73,9 @@ def rest(moved: Array) -> Array:
 
 
 def shift(moved: Array) -> Array:
+    rotation, tension = planned()
     return drift_shift(
-        (EXITS + moved)[None], EXITS[None], ATTACHMENTS, WEIGHT, CENTRE, PLACE[None], ROTATION[None], TENSION[None]
+        (EXITS + moved)[None], EXITS[None], ATTACHMENTS, WEIGHT, CENTRE, PLACE[None], rotation[None], tension[None]
     )[0]
 
 
@@ -108,7 +110,8 @@ def test_no_samples_give_no_shifts():
 
 
 def test_slack_cables_leave_the_shift_finite():
+    rotation, _tension = planned()
     found = drift_shift(
-        (EXITS + 0.01)[None], EXITS[None], ATTACHMENTS, WEIGHT, CENTRE, PLACE[None], ROTATION[None], np.zeros((1, 4))
+        (EXITS + 0.01)[None], EXITS[None], ATTACHMENTS, WEIGHT, CENTRE, PLACE[None], rotation[None], np.zeros((1, 4))
     )
     assert np.isfinite(found).all()

@@ -12,6 +12,7 @@ ATTACHMENTS = np.array([[-0.1, -0.09, 0.01], [0.11, -0.1, -0.02], [0.09, 0.1, 0.
 CENTRE = np.array([0.01, -0.02, -0.03])
 WEIGHT = np.array([3.0, -5.0, -170.0])
 NO_PULL = np.empty((0, 4, 4))
+HELD = (0, 1, 2, 11)  # seeds of cases held within tension limits
 
 
 def case(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -68,9 +69,10 @@ def test_forces_and_moments_balance(seed: int) -> None:
     assert np.abs(left).max() < 1e-8 * scale
 
 
-@pytest.mark.parametrize("seed", [s for s in range(12) if equilibrium(s)[4] > 0.0])
+@pytest.mark.parametrize("seed", HELD)
 def test_hessian_is_the_second_derivative_of_the_energy(seed: int) -> None:
-    anchors, position, rotation, tensions, _room = equilibrium(seed)
+    anchors, position, rotation, tensions, room = equilibrium(seed)
+    assert room > 0.0
     ea = 2e5
     u, lengths = statics.directions(anchors, ATTACHMENTS, position, rotation)
     unstretched = lengths / (1.0 + tensions / ea)

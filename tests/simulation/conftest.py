@@ -47,11 +47,11 @@ class Case:
 
 @pytest.fixture(scope="session")
 def case() -> Case:
-    """Stays 6-8 of the default bay, 24-34 m in two cells: every kind of leg."""
+    """Stays 6 and 7 of the default fan, 27-33 m in two cells: every kind of leg."""
     bridge, squad = load_worksite("ecs620-like"), load_squad()
     assert isinstance(bridge, Bridge)
-    bay = Bay.of(bridge.fan("T1L-main"), 5, 9, "under", squad)
-    rules = Rules(tension=(20.0, 250.0), cell_length=5.0)
-    request = Request(bridge.name, squad.name, "T1L-main", (5, 9), 24.0, 34.0, "under", 0.0, rules.tension)
+    bay = Bay.of(bridge.fan("T1L-main"), 5, 8, "under", squad)
+    rules = Rules(tension=(20.0, 250.0), cell_length=3.0)
+    request = Request(bridge.name, squad.name, "T1L-main", (5, 8), 27.0, 33.0, "under", 0.0, rules.tension)
     scene = Scene.of(bay, squad, rules, np.array(bridge.gravity))
     return Case(bridge, bay, squad, plan(scene, request, (), lambda _done: None))
