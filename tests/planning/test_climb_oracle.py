@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
+import oracle_bends
 import pytest
 from climb_cases import ROBOT, random_run
 from oracle_audit import disagreements
@@ -102,6 +103,17 @@ def test_facets_give_what_a_linear_programme_gives(radius: float, rows: int, rng
         assert found[k] == pytest.approx(max(by_highs(wrenches, load) for load in tried), rel=1e-6)
 
 
+@pytest.mark.parametrize(("radius", "rows"), [(0.03, BOTH), (0.025, FIRST)])
+def test_on_a_straight_jaws_closed_pad_by_pad_give_the_facets(radius: float, rows: int, rng: np.random.Generator):
+    pads, size = Pads.of(ROBOT), np.array([0.6, 0.6, 0.6, 10.0, 10.0, 10.0])
+    pipe, s, clock = load_pipe("straight-vertical").pipes[0], np.array([0.4, 0.7]), np.array([0.3, -2.0])
+    point, frames = pipe.centre_line(s)
+    frames = frames @ Rotation.from_euler("z", clock[:, None]).as_matrix()
+    weight, pushes = rng.normal(size=(2, 6)) * size, 0.3 * rng.normal(size=(2, 2, 6)) * size
+    found = oracle_bends.used(oracle_bends.wrenches(pads, pipe, s, (point, frames), radius, rows), weight, pushes)
+    np.testing.assert_allclose(found, used(facets(pads, radius, rows), weight, pushes), rtol=1e-6)
+
+
 def surface(solid: Solid, rng: np.random.Generator) -> np.ndarray:
     """Points of a tube or of a sector, inside and on it."""
     count = 100_000
@@ -148,7 +160,7 @@ def test_on_a_straight_bars_keep_their_distance():
 LUG = load_pipe("clock-obstacle")
 HIGH = replace(LUG, name="high-lug", obstacles=(replace(LUG.obstacles[0], height=0.032),))  # in the linkage's way
 CROWDED = [*(random_run(seed) for seed in (4, 13, 28)), load_pipe("planar-cross"), HIGH]
-RUNS = [*CROWDED, load_pipe("reducer")]
+RUNS = [*CROWDED, load_pipe("reducer"), load_pipe("bend-300")]
 
 
 @pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)

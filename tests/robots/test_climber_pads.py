@@ -83,6 +83,58 @@ def test_pads_that_stand_askew_give_what_they_gave_turned(rng: np.random.Generat
     np.testing.assert_allclose(grip_use(askew, turned), grip_use(straight, loads), rtol=2.0 * (math.pi / edges) ** 2)
 
 
+def bent(radius: float, toward: float) -> np.ndarray:
+    """Lines under the rows of a gripper on the chord of a bend of a radius [m] toward a clock [rad]."""
+    row, inward = pad_row(ROBOT), np.array([math.cos(toward), math.sin(toward), 0.0])
+    half = math.asin(row / radius)
+    centre = radius * math.cos(half) * inward
+    lines = np.empty((2, 2, 3))
+    for k, side in enumerate((-1.0, 1.0)):
+        lines[k, 0] = [0.0, 0.0, math.cos(half)] + side * math.sin(half) * inward
+        lines[k, 1] = (centre - [0.0, 0.0, side * row]) / radius**2
+    return lines
+
+
+@pytest.mark.parametrize(("radius", "toward"), [(0.3, 0.0), (0.12, 0.5 * math.pi), (0.15, 2.4)])
+def test_in_a_bend_pads_push_from_where_the_torus_is_nearest(radius: float, toward: float):
+    """Without friction each pad's wrench is a line through its middle and the nearest point of the bend's circle."""
+    smooth, lines = rubbing(1e-12), bent(radius, toward)
+    inward, half = np.array([math.cos(toward), math.sin(toward), 0.0]), math.asin(pad_row(ROBOT) / radius)
+    centre = radius * math.cos(half) * inward
+    corners = grip_body(smooth, RADIUS, lines=lines).reshape(8, EDGES, 6).mean(axis=1)
+    rows = [end * pad_row(ROBOT) for _jaw in range(2) for _side in range(2) for end in (1.0, -1.0)]
+    aside = [side * 0.5 * ROBOT.build.jaw_width for _jaw in range(2) for side in (1.0, 1.0, -1.0, -1.0)]
+    for (*moment, x, y, z), beside, row in zip(corners, aside, rows, strict=True):
+        size = math.hypot(x, y, z)
+        normal, arm = np.array([x, y, z]) / size, np.array(moment) / size
+        across, rest = np.cross([1.0, 0.0, 0.0], normal), arm - np.cross([0.0, beside, row], normal)
+        pad = np.array([across @ rest / (across @ across), beside, row])
+        np.testing.assert_allclose(np.cross(pad, normal), arm, atol=1e-12)  # it goes through the pad's middle
+        away = pad - centre
+        flat = away - np.cross([0.0, 0.0, 1.0], inward) * (away @ np.cross([0.0, 0.0, 1.0], inward))
+        nearest = centre + radius * flat / np.linalg.norm(flat)
+        np.testing.assert_allclose(pad - nearest, (RADIUS + ROBOT.build.pad_radius) * normal, atol=1e-12)
+
+
+def test_a_bend_of_no_curvature_is_straight_and_half_a_turn_changes_nothing(rng: np.random.Generator):
+    loads = rng.normal(size=(20, 6)) * [0.5, 0.5, 0.5, 8.0, 8.0, 8.0]
+    almost = grip_use(grip_body(ROBOT, RADIUS, lines=bent(1e6, 0.7)), loads)
+    np.testing.assert_allclose(almost, grip_use(BODY, loads), rtol=1e-6)
+    for toward in (0.0, 0.7, 2.0):
+        here, there = (grip_body(ROBOT, RADIUS, lines=bent(0.3, toward + turn)) for turn in (0.0, math.pi))
+        turned = loads * [-1.0, -1.0, 1.0, -1.0, -1.0, 1.0]
+        np.testing.assert_allclose(grip_use(here, loads), grip_use(there, turned), rtol=1e-7)
+    # Along the pipe: rows that lean against each other draw as hard as they push.
+    axial = [0.0, 0.0, 0.0, 0.0, 0.0, 20.0]
+    bend = float(grip_use(grip_body(ROBOT, RADIUS, lines=bent(0.3, 0.0)), axial))
+    assert bend == pytest.approx(float(grip_use(BODY, axial)), rel=0.05)
+
+
+def test_a_bend_too_tight_for_pads_is_refused():
+    with pytest.raises(InputError, match="^bend radius: 34 mm; above 35 mm$"):
+        grip_body(ROBOT, RADIUS, lines=bent(0.034, 0.0))
+
+
 def test_edges_along_which_a_pad_jams_are_left_out():
     """A pad at 45 degrees from its jaw's way jams where friction draws it in more than its push moves it out."""
     place, normal = np.array([[0.02, 0.02, 0.0]]), math.sqrt(0.5) * np.array([[1.0, 1.0, 0.0]])

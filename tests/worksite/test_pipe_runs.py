@@ -77,9 +77,13 @@ def test_tangent_and_frame_follow_the_centre_line():
         frames @ np.swapaxes(frames, -1, -2), np.broadcast_to(np.eye(3), frames.shape), atol=1e-12
     )
     np.testing.assert_allclose(np.linalg.det(frames), 1.0)
+    tangents, curvatures = np.moveaxis(run.pipes[0].lines(s), -2, 0)
+    np.testing.assert_array_equal(tangents, frames[..., 2])
     # No twist: the frame's rate of turn has no part along the tangent.
     rate = (run.centre_line(s + h)[1] - run.centre_line(s - h)[1]) / (2.0 * h)
     np.testing.assert_allclose(np.einsum("kij,kij->k", np.stack((rate[..., 0],), -1), frames[..., 1:2]), 0.0, atol=1e-6)
+    apart = np.abs(s[:, None] - [part.end for part in run.pipes[0].parts]).min(axis=1) > h
+    np.testing.assert_allclose(curvatures[apart], rate[apart, :, 2], atol=1e-6)
 
 
 def test_a_bend_ends_where_its_circle_does():

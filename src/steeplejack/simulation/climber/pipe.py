@@ -14,7 +14,7 @@ from steeplejack.simulation.climber.solids import Array, Solid
 from steeplejack.worksite.pipe_line import Part, Pipe
 from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
 
-SAGITTA = 5e-5  # [m] by which the chords of a bend may leave its arc
+SAGITTA = 1e-5  # [m] by which the chords of a bend may leave its arc
 MARKS = 0.1  # [m] between rings painted on the pipe
 RIDGES = math.radians(15.0)  # between the ridges that an obstacle over part of the clock is made of
 
