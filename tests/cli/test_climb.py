@@ -19,7 +19,7 @@ Steeplejack = Callable[..., Outcome]
 
 KEYS = {
     "distance_m", "steps", "duration_s", "mean_speed_mm_s", "max_actuator_force_n", "min_transmission",
-    "min_friction_margin", "min_friction_margin_moving", "collisions", "log", "report",
+    "min_friction_margin", "min_friction_margin_moving", "slips", "collisions", "log", "report",
 }  # fmt: skip
 SHORT = """kind = "pipes"
 name = "short"
@@ -42,6 +42,7 @@ def test_a_climb_of_one_stride_whose_plan_has_no_fault(steeplejack: Steeplejack,
     done = steeplejack("climb", "short.toml", "--seed", 3, "--no-pictures", "--out", "out", "--json")
     assert done.code == 0 and set(done.answer) == KEYS
     assert done.answer["distance_m"] == pytest.approx(0.02, abs=1e-3) and done.answer["collisions"] == 0
+    assert done.answer["slips"] == 0
     assert (folder / done.answer["log"]).stat().st_size > 0
     assert "with errors, seed 3" in (folder / done.answer["report"]).read_text()
     run, robot = load_pipe(folder / "short.toml"), load_pipe_climber()

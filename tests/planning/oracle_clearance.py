@@ -12,12 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from steeplejack.planning.climb.places import GIVE
 from steeplejack.robots.pipe_climber import PipeClimber
 from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, INSET, LAST
 from steeplejack.worksite.pipe_line import Pipe
 from steeplejack.worksite.pipe_run import PipeRun
 
 Array = np.ndarray
+STEP = 1e-7  # [m] of the differences that are tangents
 EXACT = 1e-9  # [m] by which something may reach into a stretch
 PALM = -0.5 * math.pi  # [rad] clock of the palm's middle from the robot's X
 
@@ -71,7 +73,20 @@ def closes(run: PipeRun, robot: PipeClimber, s: Array) -> Array:
     barred += [(step, step, *row) for step in changes for row in jaws.rows]
     for start, end, begin, last in barred:
         free &= ~_within(s, start - last, end - begin)
-    return free & _fits(robot, pipe, jaws, s)
+    return free & _fits(robot, pipe, jaws, s) & _level(robot, pipe, jaws, s)
+
+
+def _level(robot: PipeClimber, pipe: Pipe, jaws: Jaws, s: Array) -> Array:
+    """Whether the pipe leans so little under the rows that it is no thicker across than a gripper gives."""
+    first, last = (pipe.centre_line(s + row)[0] for row in (-jaws.row, jaws.row))
+    chord = (last - first) / np.linalg.norm(last - first, axis=1)[:, None]
+    radius, _rows = footing(robot, pipe, s)
+    thicker = np.zeros(len(s))
+    for row in (-jaws.row, jaws.row):
+        step = pipe.centre_line(s + row + STEP)[0] - pipe.centre_line(s + row - STEP)[0]
+        lean = np.arcsin(np.linalg.norm(np.cross(step, chord), axis=1) / np.linalg.norm(step, axis=1))
+        thicker = np.maximum(thicker, radius / np.cos(lean) - radius)
+    return thicker <= GIVE
 
 
 def _fits(robot: PipeClimber, pipe: Pipe, jaws: Jaws, s: Array) -> Array:

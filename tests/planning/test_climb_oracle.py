@@ -20,15 +20,16 @@ from oracle_rules import Rules
 from scipy.spatial.transform import Rotation
 
 from steeplejack.planning.climb import places
-from steeplejack.planning.climb.frames import touching
+from steeplejack.planning.climb.frames import touching, worst_uses
 from steeplejack.planning.climb.limits import Machine
+from steeplejack.planning.climb.plan import Hold
 from steeplejack.planning.climb.solids import AIR, obstacles_of
 from steeplejack.robots.pipe_climber import Layout
 from steeplejack.robots.pipe_climber.pads import BOTH, FIRST, LAST
 from steeplejack.simulation.climber.scene import build
 from steeplejack.simulation.engine import mujoco
 from steeplejack.worksite.pipe_builtin import load_pipe
-from steeplejack.worksite.pipe_run import PipeRun
+from steeplejack.worksite.pipe_run import PipeRun, with_bends
 
 BODIES, MACHINE = Bodies.of(ROBOT), Machine.of(ROBOT)
 MODEL = build(ROBOT, Layout.of(ROBOT), [BEAM], np.zeros(3), (0.3, 0.3))
@@ -163,7 +164,10 @@ CROWDED = [*(random_run(seed) for seed in (4, 13, 28)), load_pipe("planar-cross"
 RUNS = [*CROWDED, load_pipe("reducer"), load_pipe("bend-300")]
 
 
-@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+TIGHT = replace(with_bends(load_pipe("bend-300"), 0.55), name="bend-165")  # grippers may close in some of it
+
+
+@pytest.mark.parametrize("run", [*RUNS, TIGHT], ids=lambda run: run.name)
 def test_planner_closes_stands_and_passes_where_the_oracle_does(run: PipeRun, rng: np.random.Generator):
     rules, pipe = Rules(run, ROBOT), run.pipes[0]
     edges = np.array([end for one in run.obstacles for end in (one.start, one.end)] + [one.end for one in pipe.parts])
@@ -219,3 +223,31 @@ def test_planner_uses_grips_and_drives_as_the_oracle_does(run: PipeRun, rng: np.
     some = some[rules.closes(some[:, 0]) & rules.closes(some[:, 1])]
     rules.use(some, rng.random(len(some)) < 0.5)
     assert len(some) > 20 and disagreements(rules, rng) == []
+
+
+def test_replay_judges_grips_in_bends_as_the_oracle_does(rng: np.random.Generator):
+    """Of the weight alone, for either gripper; where pads as on a straight would say something else."""
+    run = load_pipe("bend-300")
+    rules, name = Rules(run, ROBOT), run.pipes[0].name
+    every = standings(rules, rng, 4000)
+    every = every[rules.closes(every[:, 0]) & rules.closes(every[:, 1])]
+    bend = next(part for part in rules.pipe.parts if not part.straight)
+    for upper in (False, True):
+        there = np.abs(every[:, int(upper)] - bend.start - 0.5 * bend.length) < 0.5 * bend.length
+        some = every[there][:30]
+        assert len(some) > 10
+        freedoms, gravity, rates = rules.motions(some, upper)
+        weight, pushes = loads(BODIES, freedoms, gravity, 0.0 * rates, upper)
+        s, radius = some[:, int(upper)], 0.03
+        corners = oracle_bends.wrenches(rules.pads, rules.pipe, s, rules.frames(some, upper), radius, BOTH)
+        asked = oracle_bends.used(corners, weight, pushes) / (1.0 - ROBOT.gait.reserve)
+        level = used(facets(rules.pads, radius, BOTH), weight, pushes) / (1.0 - ROBOT.gait.reserve)
+        frames = np.broadcast_to(np.eye(4), (2, len(some), 4, 4)).copy()
+        for end in range(2):
+            frames[end, :, :3, 3], frames[end, :, :3, :3] = rules.frames(some, bool(end))
+        for k, one in enumerate(some):
+            places, hold = ((name, one[0]), (name, one[1])), Hold.UPPER if upper else Hold.LOWER
+            both = (frames[0, k : k + 1], frames[1, k : k + 1])
+            told = worst_uses(run, MACHINE, both, freedoms[k : k + 1], places, hold)[0]
+            assert told == pytest.approx(asked[k], rel=5e-3)
+        assert np.abs(level / asked - 1.0).max() > 0.06

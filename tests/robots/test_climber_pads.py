@@ -95,7 +95,7 @@ def bent(radius: float, toward: float) -> np.ndarray:
     return lines
 
 
-@pytest.mark.parametrize(("radius", "toward"), [(0.3, 0.0), (0.12, 0.5 * math.pi), (0.15, 2.4)])
+@pytest.mark.parametrize(("radius", "toward"), [(0.3, 0.0), (0.12, 0.5 * math.pi), (0.15, 2.4), (0.066, math.pi)])
 def test_in_a_bend_pads_push_from_where_the_torus_is_nearest(radius: float, toward: float):
     """Without friction each pad's wrench is a line through its middle and the nearest point of the bend's circle."""
     smooth, lines = rubbing(1e-12), bent(radius, toward)
@@ -131,8 +131,8 @@ def test_a_bend_of_no_curvature_is_straight_and_half_a_turn_changes_nothing(rng:
 
 
 def test_a_bend_too_tight_for_pads_is_refused():
-    with pytest.raises(InputError, match="^bend radius: 34 mm; above 35 mm$"):
-        grip_body(ROBOT, RADIUS, lines=bent(0.034, 0.0))
+    with pytest.raises(InputError, match="^bend radius: 64 mm; above 65 mm$"):
+        grip_body(ROBOT, RADIUS, lines=bent(0.064, 0.0))
 
 
 def test_edges_along_which_a_pad_jams_are_left_out():

@@ -22,6 +22,8 @@ from steeplejack.simulation.climber.sensors import SensorErrors
 from steeplejack.simulation.climber.session import ClimbSession
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_builtin import load_pipe
+from steeplejack.worksite.pipe_file import BendPart, GoalEntry, MainEntry, PipeFile, StartEntry, StraightPart
+from steeplejack.worksite.pipe_run import PipeRun, build_run
 
 pytestmark = pytest.mark.long
 
@@ -74,6 +76,30 @@ def test_a_change_of_diameter_is_climbed_with_one_row_of_pads_at_a_time() -> Non
     loads = grip_loads(robot, LAYOUT, np.array([0.0, 0.15, 0.0, 0.0]), GRAVITY)
     assert int(rows) != BOTH
     assert min(moving) == pytest.approx(1.0 - grip_use(grip_body(robot, float(radius), int(rows)), loads[0]), abs=0.05)
+
+
+def bent(radius: float) -> PipeRun:
+    """A vertical pipe of 60 mm with a bend of 30 degrees."""
+    straight, bend = StraightPart(length=0.4), BendPart(radius=radius, angle_deg=30.0, toward_deg=0.0)
+    file = PipeFile(
+        name="bent", description="a bend of 30 degrees", source="test", start=StartEntry(s=0.05),
+        goal=GoalEntry(s=0.5 + bend.radius * math.radians(bend.angle_deg)),
+        main=MainEntry(diameter=0.06, parts=(straight, bend, straight)),
+    )  # fmt: skip
+    return build_run(file, "test")
+
+
+def test_the_tightest_bend_that_grippers_close_in_is_climbed_without_a_slip() -> None:
+    """Stiff jaws give by 0.5 mm there before both rows touch; where they would give by 1.8 mm the plan is refused."""
+    run, mu = bent(0.17), ROBOT.gripper.friction
+    plan = plan_climb(run, ROBOT)
+    plant = ClimbSession(plan, run, ROBOT, LAYOUT, (mu, mu)).plant()
+    watch = Watch(plant, run, None)
+    end = ClimbRun(plan, run, ROBOT, LAYOUT, plant, watch).run(nothing)
+    assert plan.complete and end.completed and end.safe and end.slips == 0 and end.collisions == 0
+    assert max(grip.error_m for grip in watch.grips) < 1.2e-3
+    refused = plan_climb(bent(0.09), ROBOT)
+    assert not refused.complete and "bends of at least 1" in str(refused.blocked)
 
 
 def crossed(start_clock: float) -> tuple[ClimbPlan, EndRecord, Watch]:

@@ -136,6 +136,7 @@ def show_summary(answer: dict[str, Any]) -> None:
         "largest actuator force": f"{answer['max_actuator_force_n']:.1f} N",
         "least transmission": f"{answer['min_transmission']:.3f}",
         "least friction left": _left(answer["min_friction_margin_moving"], answer["min_friction_margin"]),
+        "slips": "not known" if answer["slips"] is None else answer["slips"],
         "collisions": answer["collisions"],
         "log": answer["log"],
         "report": answer["report"],

@@ -20,7 +20,7 @@ from steeplejack.robots.pipe_climber.bearing import holding_forces, servo_torque
 from steeplejack.robots.pipe_climber.inertia import inertia
 from steeplejack.robots.pipe_climber.inverse import limb_lengths
 from steeplejack.robots.pipe_climber.jacobian import jacobian
-from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, tightest
+from steeplejack.robots.pipe_climber.pads import grip_body, grip_use, least_bend, tightest
 from steeplejack.robots.pipe_climber.weights import grip_loads
 
 Array = NDArray[np.float64]
@@ -71,7 +71,7 @@ def seen(lines: Array, frames: Array) -> Array:
 
 
 def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, lines: Array, pushes: Array) -> Array:
-    """Of the grips, (k, 2, 1); infinite on a pipe that grippers are not for, or a bend that pads do not reach round."""
+    """Of the grips, (k, 2, 1); infinite on a pipe that grippers are not for, or a bend that jaws do not close in."""
     loads = grip_loads(machine.robot, machine.layout, freedoms, gravity, machine.payload)
     tried = np.moveaxis(loads + pushes, 0, 1)  # those of one state together: each is near the last one
     use = np.zeros((len(freedoms), 2, 1))
@@ -79,8 +79,9 @@ def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, lines
     for end in range(2):
         rests = np.column_stack((feet[:, end], np.round(lines[:, end].reshape(-1, lines[0, end].size), DIGITS)))
         for (radius, rows, *rest), mine in _alike(rests):
-            line, reach = np.reshape(rest, lines.shape[2:]), radius + machine.robot.build.pad_radius
-            if not thinnest - ROUNDING <= radius <= thickest + ROUNDING or tightest(line) <= reach:
+            line = np.reshape(rest, lines.shape[2:])
+            fits = thinnest - ROUNDING <= radius <= thickest + ROUNDING
+            if not fits or tightest(line) <= least_bend(machine.robot, radius):
                 use[mine, end, 0] = np.inf
                 continue
             body = grip_body(machine.robot, radius, int(rows), line)
@@ -89,10 +90,10 @@ def _grips(machine: Machine, freedoms: Array, gravity: Array, feet: Array, lines
 
 
 def _alike(rows: Array) -> Iterator[tuple[list[float], Indices]]:
-    """The different rows of a table (k, n), and where each stands."""
+    """The different rows of a table (k, n), k at least 1, and where each stands."""
     order = np.lexsort(rows.T)
     ahead = rows[order]
-    begin = np.flatnonzero(np.append(True, (ahead[1:] != ahead[:-1]).any(axis=1))) if len(rows) else np.empty(0, int)
+    begin = np.flatnonzero(np.append(True, (ahead[1:] != ahead[:-1]).any(axis=1)))
     for first, mine in zip(begin, np.split(order, begin[1:]), strict=True):
         yield ahead[first].tolist(), mine
 

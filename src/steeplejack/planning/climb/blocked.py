@@ -73,7 +73,7 @@ def explain(run: PipeRun, machine: Machine, found: Found, tell: Callable[[str], 
         amount = _least(one, machine.payload, lambda other: other.progress > got.progress - FURTHER)
         begins = not found.standings and got.progress <= run.start_s + FURTHER
         reached = "can begin there" if begins else f"comes to {got.progress:.3f} m"
-        return f"{where}: limit is the {one.limit}; with {amount} it {reached}"
+        return f"{where}: limit is the {one.limit}; with {amount} it {reached}; none alone brings it to the goal"
     limits = _too_much(machine, lattice.uses.least)
     binding = f"holding alone takes at least {limits}; " if limits else ""
     return f"{where}: {binding}none of these changes that by itself, as far as is looked at: {'; '.join(helped.vain)}"

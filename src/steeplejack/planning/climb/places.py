@@ -2,7 +2,8 @@
 
 - A closed gripper covers its jaws' length. There it wants no junction; no obstacle under its two rows of pads, and
   between them none higher than the relief of its jaws. Under either row it wants one diameter. If they are two, the row
-  on the larger one holds alone (`footing`); it has to be within the grippers' range.
+  on the larger one holds alone (`footing`); it has to be within the grippers' range. Where a row leans against the
+  chord between both, the pipe is thicker across by ``r (1 / cos(lean) - 1)``, which may be no more than `GIVE`.
 - An open gripper keeps only its palm near the pipe, on the side of the robot's -Y; the jaws swing clear of the rest.
   The palm passes whatever is lower than its clearance, and anything at clocks it does not cover.
 - Two pipes whose axes cross under the angle g cover each other over (r_other + r |cos g|) / sin g to either side.
@@ -25,9 +26,13 @@ from steeplejack.worksite.pipe_run import PipeObstacle, PipeRun
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
-Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter"]
+Trouble = Literal["end of the pipe", "obstacle", "junction", "diameter", "bend"]
 PALM = -0.5 * math.pi
 """Clock of the palm's middle from the robot's X axis [rad]."""
+
+GIVE = 5e-4
+"""How far a gripper may give until pads of both its rows touch [m]: more is taken for a slip, see
+`control.climber.controller`; an estimate."""
 
 COLUMNS = ("pipe", "s", "points", "frames", "holds", "footing", "lines")
 
@@ -155,8 +160,12 @@ def trouble(run: PipeRun, machine: Machine, pipe: Pipe, s: Array) -> list[tuple[
     meeting = np.zeros(len(s), dtype=np.bool_)
     for at, reach, _clocks, _other in junctions(run, pipe):
         meeting |= (last > at - reach + ROUNDING) & (first < at + reach - ROUNDING)
-    _foot, size = _standing(machine, pipe, s)
-    return [("end of the pipe", outside), ("obstacle", standing), ("junction", meeting), ("diameter", size)]
+    foot, size = _standing(machine, pipe, s)
+    along = pipe.chord(s, machine.row)[1][:, None, :, 2]
+    level = (lines_under(machine, pipe, s)[:, :, 0] * along).sum(axis=-1).min(axis=1)  # cos(lean)
+    leaning = foot[:, 0] * (1.0 - level) > (GIVE + ROUNDING) * level
+    barred: list[tuple[Trouble, Flags]] = [("end of the pipe", outside), ("obstacle", standing), ("junction", meeting)]
+    return [*barred, ("diameter", size), ("bend", leaning)]
 
 
 def _covered(machine: Machine, one: PipeObstacle) -> list[tuple[float, float]]:

@@ -19,7 +19,8 @@ class ClimbSummary(msgspec.Struct, frozen=True):
 
     Distance is that of the robot's middle along its own axis, below 0 where it slid back. The mean speed is one of
     climbing: 0 for a robot that ended no further than it began. The least friction left is that of all samples; while
-    one gripper moves the robot it is apart, for what grippers rub each other with as they change lasts a moment.
+    one gripper moves the robot it is apart, for what grippers rub each other with as they change lasts a moment. Slips
+    are those that the controller saw, None where the log breaks off before the end.
     """
 
     distance_m: float
@@ -30,6 +31,7 @@ class ClimbSummary(msgspec.Struct, frozen=True):
     min_transmission: float
     min_friction_margin: float | None
     min_friction_margin_moving: float | None
+    slips: int | None
     collisions: int
 
 
@@ -96,6 +98,7 @@ def summarise(log: ClimbLog) -> ClimbAnalysis:
         min_transmission=float(transmission.min()),
         min_friction_margin=least.margin if least else None,
         min_friction_margin_moving=moving.margin if moving else None,
+        slips=None if log.end is None else log.end.slips,
         collisions=int(samples.collisions[-1]),
     )
     errors = [(one.error_m, one.error_rad) for one in log.grips] or [(np.nan, np.nan)]

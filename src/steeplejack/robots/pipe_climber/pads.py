@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 STRAIGHT = np.array([[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]] * 2)
 """Tangent and curvature of a straight pipe under both rows of pads, in the gripper's frame [1, 1/m]."""
 CLOSER = 5
-"""Steps of Newton's method that close a jaw; its distance from the pipe is convex."""
+"""Steps of Newton's method that close a jaw, from where a straight pipe would stop it."""
 EDGES = 16
 """Edges of the pyramids inside the friction cones; along and around the pipe they touch it, else 2 % are lost."""
 JAM = 1e-3
@@ -85,7 +85,8 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH, lines: ArrayL
     """Corners of the set of wrenches that the pads of a closed gripper give.
 
     All pads count, as they do once a gripper that is loaded has settled: where only one row lies in a bend, the other
-    one stands off by up to r (1 / cos(lean) - 1) before, 0.15 mm on a pipe of 60 mm bent with 300 mm.
+    one stands off by up to r (1 / cos(lean) - 1) before, 0.15 mm on a pipe of 60 mm bent with 300 mm and 0.5 mm with
+    170 mm. The bend is taken to go on beyond the pads, which is out by 1 % of a grip with 150 mm, by 10 % with 100 mm.
 
     Args:
         robot: The machine; jaws, pads, force and friction.
@@ -99,12 +100,12 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH, lines: ArrayL
         (pads x `EDGES`, 6), (moment; force) at the gripper's middle in its frame [N m, N].
 
     Raises:
-        InputError: A pipe too thin for the pads of a jaw, one so thin that they jam with this friction, or a bend so
-            tight that a pad would lie over its centre.
+        InputError: A pipe too thin for the pads of a jaw, one so thin that they jam with this friction, or a bend
+            inside which jaws do not come down to it.
     """
     phi, friction, given = pad_clock(robot, radius), robot.gripper.friction, np.asarray(lines, dtype=np.float64)
-    if tightest(given) <= radius + robot.build.pad_radius:
-        valid = f"above {1e3 * (radius + robot.build.pad_radius):g} mm"
+    if tightest(given) <= least_bend(robot, radius):
+        valid = f"above {1e3 * least_bend(robot, radius):g} mm"
         raise InputError("bend radius", f"{1e3 * tightest(given):g} mm", valid)
     most = robot.build.jamming_friction(radius)
     if not friction < most:
@@ -116,6 +117,15 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH, lines: ArrayL
     places, normals = _contacts(robot, radius, jaw, corners[:, 1], given[row])
     places[:, 2] += pad_row(robot) * (2.0 * row - 1.0)
     return pad_wrenches(places, normals, jaw, friction, robot.gripper.jaws * robot.gripper.force * math.cos(phi))
+
+
+def least_bend(robot: PipeClimber, radius: float) -> float:
+    """Radius of a bend of a pipe of a radius [m] above which jaws surely close on its inside [m].
+
+    Pads a row from the gripper's middle come down to the pipe where the circle of their middles, r + r_pad inside the
+    bend, is no smaller than that.
+    """
+    return pad_row(robot) + radius + robot.build.pad_radius
 
 
 def tightest(lines: Array) -> float:
