@@ -13,7 +13,7 @@ from steeplejack.errors import InputError
 from steeplejack.worksite.pipe_builtin import PIPES, list_pipes, load_pipe
 from steeplejack.worksite.pipe_file import decode_pipes
 from steeplejack.worksite.pipe_generate import encode_pipes, random_pipes
-from steeplejack.worksite.pipe_run import build_run, with_bends, with_end
+from steeplejack.worksite.pipe_run import build_run, place_with_bends, with_bends, with_end
 
 DOCS = Path(__file__).parents[2] / "docs"
 GOOD = """kind = "pipes"
@@ -112,7 +112,22 @@ def test_wider_bends_and_a_longer_end_keep_the_rest():
     assert wide.pipes[0].parts[1].radius == pytest.approx(0.6)
     assert wide.goal_s == pytest.approx(0.4 + 2.0 * (run.goal_s - 0.4))
     assert (wide.start_s, wide.obstacles) == (run.start_s, run.obstacles)
+    assert place_with_bends(wide, 0.5, wide.goal_s) == pytest.approx(run.goal_s)
     assert with_end(run, 0.5).pipes[0].length == pytest.approx(run.pipes[0].length + 0.5)
+
+
+def test_a_pipe_that_crosses_behind_a_bend_goes_along_when_it_gets_wider():
+    run = run_of(GOOD.replace("at = 0.2", "at = 1.0"))
+    wide = with_bends(run, 3.0)
+    assert wide.crossings[0].at == pytest.approx(1.0 + 2.0 * 0.3 * math.pi / 2)
+    seen = []
+    for one in (run, wide):
+        crossing, rail = one.crossings[0], one.pipes[1]
+        (point, frame), (end, axes) = one.centre_line(crossing.at), rail.centre_line(np.array([0.0, 0.3]))
+        np.testing.assert_allclose(rail.centre_line(crossing.at_other)[0], point, atol=1e-12)
+        seen.append((frame.T @ (end - point).T, frame.T @ axes[0]))
+    for before, after in zip(*seen, strict=True):
+        np.testing.assert_allclose(after, before, atol=1e-12)
 
 
 def test_random_runs_are_read_back_as_written(tmp_path: Path):

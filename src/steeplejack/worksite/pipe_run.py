@@ -104,27 +104,52 @@ class PipeRun:
 
 
 def with_bends(run: PipeRun, factor: float) -> PipeRun:
-    """The same run with every bend's radius multiplied by a factor; what stands on the main pipe moves along."""
-    main = run.pipes[0]
-    stretch = [1.0 if part.straight else factor for part in main.parts]
-    old = np.cumsum([0.0] + [part.length for part in main.parts])
-    new = np.cumsum([0.0] + [part.length * by for part, by in zip(main.parts, stretch, strict=True)])
+    """The same run with every bend's radius multiplied by a factor; what is on the main pipe or crosses it moves along.
+
+    Args:
+        run: Of pipes.
+        factor: Above 0 [1].
+    """
+    main, first = run.pipes[0], run.pipes[0].parts[0]
 
     def moved(s: float) -> float:
-        return float(np.interp(s, old, new))
+        return place_with_bends(run, factor, s)
 
-    parts: list[Piece] = [
-        (part.length * by, part.radius * by, part.toward, part.diameter)
-        for part, by in zip(main.parts, stretch, strict=True)
-    ]
-    first = main.parts[0]
+    stretched = ((part, 1.0 if part.straight else factor) for part in main.parts)
+    parts: list[Piece] = [(part.length * by, part.radius * by, part.toward, part.diameter) for part, by in stretched]
     pipe = laid(main.name, first.diameter, parts, first.point, first.frame)
     obstacles = tuple(
         replace(one, start=moved(one.start), end=moved(one.end)) if one.pipe == main.name else one
         for one in run.obstacles
     )
+    crossings = tuple(replace(one, at=moved(one.at)) for one in run.crossings)
+    others = [
+        _carried(run.pipe(one.pipe), main.centre_line(one.at), pipe.centre_line(there.at))
+        for one, there in zip(run.crossings, crossings, strict=True)
+    ]
     goal = moved(run.goal_s) if run.goal_pipe == main.name else run.goal_s
-    return replace(run, pipes=(pipe, *run.pipes[1:]), obstacles=obstacles, start_s=moved(run.start_s), goal_s=goal)
+    return replace(
+        run, pipes=(pipe, *others), obstacles=obstacles, crossings=crossings, start_s=moved(run.start_s), goal_s=goal
+    )
+
+
+def place_with_bends(run: PipeRun, factor: float, s: float) -> float:
+    """Where a place of the main pipe [m], or beyond its end, is `with_bends`; with 1 / factor the way back."""
+    lengths = np.array([part.length for part in run.pipes[0].parts])
+    bent = np.array([not part.straight for part in run.pipes[0].parts])
+    old, new = (np.append(0.0, np.cumsum(each)) for each in (lengths, np.where(bent, factor, 1.0) * lengths))
+    return float(np.interp(s, old, new)) + max(s - old[-1], 0.0)
+
+
+def _carried(pipe: Pipe, start: tuple[Array, Array], end: tuple[Array, Array]) -> Pipe:
+    """A pipe carried along with a point (3,) and a frame (3, 3)."""
+    turn = end[1] @ start[1].T
+    return replace(
+        pipe,
+        parts=tuple(
+            replace(part, point=end[0] + turn @ (part.point - start[0]), frame=turn @ part.frame) for part in pipe.parts
+        ),
+    )
 
 
 def with_end(run: PipeRun, extra: float) -> PipeRun:

@@ -138,12 +138,13 @@ def _times(many: float) -> str:
 
 
 def climb_relaxed(one: Relaxation, share: float, payload: float, parts: tuple[int, ...] = (COARSE,)) -> Found | None:
-    """The climb with a share of a relaxation; None where that makes no sense."""
+    """The climb with a share of a relaxation, how far on the pipes as they are; None where that makes no sense."""
     try:
         run, robot = one.change(share)
-        return climb(run, Machine.of(robot, payload), parts)
+        found = climb(run, Machine.of(robot, payload), parts)
     except SteeplejackError:
         return None
+    return replace(found, progress=one.place(share, found.progress))
 
 
 def _reaches_goal(found: Found) -> bool:

@@ -29,12 +29,14 @@ class Relaxation:
         change: The problem with a share of the relaxation, 0 to 1; `SteeplejackError` where it makes no sense.
         amount: How to say that share.
         graded: Whether shares between 0 and 1 mean anything.
+        place: With a share, where a place of the changed main pipe is on the pipe as it is [m].
     """
 
     limit: str
     change: Callable[[float], Problem]
     amount: Callable[[float], str]
     graded: bool = True
+    place: Callable[[float, float], float] = lambda _share, s: s
 
 
 def number(

@@ -25,7 +25,7 @@ from steeplejack.planning.climb.relaxation import (
 from steeplejack.planning.climb.solids import AIR
 from steeplejack.robots.pipe_climber.bars import widest_turn
 from steeplejack.robots.pipe_climber.parameters import SHIPPED, PipeClimber, load_pipe_climber
-from steeplejack.worksite.pipe_run import PipeRun, with_bends, with_end
+from steeplejack.worksite.pipe_run import PipeRun, place_with_bends, with_bends, with_end
 
 RIGHT = 0.5 * math.pi * (1.0 + 1e-9)
 """Tilt that a right angle between pipes needs [rad]."""
@@ -260,6 +260,7 @@ def _bends(run: PipeRun, robot: PipeClimber) -> Relaxation:
         f"bend's radius of {1e3 * tightest:.4g} mm",
         lambda k: (with_bends(run, factor(k)), robot),
         lambda k: f"bends of at least {in_mm(tightest * factor(k))} mm",
+        place=lambda k, s: place_with_bends(with_bends(run, factor(k)), 1.0 / factor(k), s),
     )
 
 
