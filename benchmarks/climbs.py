@@ -3,15 +3,17 @@
 The first table climbs each built-in run of pipes once from end to end. Statics are the balance of the robot's weight
 over the pads of the gripper that holds alone, at the beginnings and ends of the plan's moves. The second seeks the
 heaviest load that climbs two strides, by the planner and in physics. The third varies what the sensors get wrong and
-what the grippers take to close. Half an hour on one core.
+what the grippers take to close. The fourth plans random runs that the robot cannot climb, the reason included. Forty
+minutes on one core.
 
-    python benchmarks/climbs.py [runs] [loads] [changes]
+    python benchmarks/climbs.py [runs] [loads] [changes] [refusals]
 """
 
 from __future__ import annotations
 
 import math
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -33,11 +35,13 @@ from steeplejack.simulation.climber.run import ClimbRun
 from steeplejack.simulation.climber.sensors import SensorErrors
 from steeplejack.simulation.climber.watch import Watch
 from steeplejack.worksite.pipe_builtin import PIPES, load_pipe
-from steeplejack.worksite.pipe_run import PipeRun
+from steeplejack.worksite.pipe_generate import random_pipes
+from steeplejack.worksite.pipe_run import PipeRun, build_run
 
 SEED = 0  # of the sensors' errors, as `steeplejack climb` has it
 FRICTION = (0.3, 0.6, 0.8)
 MOST, HALVINGS = 8.0, 7  # [kg], and how often it is halved
+REFUSED = (5, 25, 47, 77, 110, 141, 169, 221, 277)  # seeds of random runs
 STRIDES = 3  # of the vertical pipe that the third table climbs
 
 
@@ -205,7 +209,19 @@ def changes_table() -> None:
               f"{one.least_left(False):.2f} |", flush=True)  # fmt: skip
 
 
-TABLES = {"runs": runs_table, "loads": loads_table, "changes": changes_table}
+def refusals_table() -> None:
+    """What plan and reason take of one core on random runs with bends and obstacles."""
+    print("\n| random run | time | answer |")
+    print("| --- | ---: | --- |", flush=True)
+    for seed in REFUSED:
+        name = f"random-{seed}"
+        run = build_run(random_pipes(np.random.default_rng(seed), name), name)
+        began = time.process_time()
+        plan = plan_climb(run, load_pipe_climber())
+        print(f"| {seed} | {time.process_time() - began:.0f} s | {plan.blocked or 'climbed'} |", flush=True)
+
+
+TABLES = {"runs": runs_table, "loads": loads_table, "changes": changes_table, "refusals": refusals_table}
 
 
 if __name__ == "__main__":

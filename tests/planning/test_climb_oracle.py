@@ -216,7 +216,7 @@ def test_planner_meets_what_the_oracle_meets(run: PipeRun, rng: np.random.Genera
     assert found.any() and not found.all()
 
 
-@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+@pytest.mark.parametrize("run", [*RUNS, TIGHT], ids=lambda run: run.name)
 def test_planner_uses_grips_and_drives_as_the_oracle_does(run: PipeRun, rng: np.random.Generator):
     rules = Rules(run, ROBOT)
     some = standings(rules, rng, 400)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hung_climber import GRAVITY, LAYOUT, ROBOT, nothing
 
-from steeplejack.planning.climb import ClimbPlan, plan_climb
+from steeplejack.planning.climb import ClimbPlan, places, plan_climb
 from steeplejack.planning.climb.limits import Machine
 from steeplejack.planning.climb.places import footing
 from steeplejack.robots.pipe_climber import Layout, load_pipe_climber
@@ -100,6 +100,16 @@ def test_the_tightest_bend_that_grippers_close_in_is_climbed_without_a_slip() ->
     assert max(grip.error_m for grip in watch.grips) < 1.2e-3
     refused = plan_climb(bent(0.09), ROBOT)
     assert not refused.complete and "bends of at least 1" in str(refused.blocked)
+
+
+def test_grippers_slip_in_a_bend_where_rows_give_by_more_than_they_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the limit is for: planned as if any give were allowed, 1.8 mm of it are slips."""
+    monkeypatch.setattr(places, "GIVE", 1.0)
+    run, mu = bent(0.09), ROBOT.gripper.friction
+    plan = plan_climb(run, ROBOT)
+    plant = ClimbSession(plan, run, ROBOT, LAYOUT, (mu, mu)).plant()
+    end = ClimbRun(plan, run, ROBOT, LAYOUT, plant, Watch(plant, run, None)).run(nothing)
+    assert plan.complete and end.slips > 0
 
 
 def crossed(start_clock: float) -> tuple[ClimbPlan, EndRecord, Watch]:

@@ -86,7 +86,8 @@ def grip_body(robot: PipeClimber, radius: float, rows: int = BOTH, lines: ArrayL
 
     All pads count, as they do once a gripper that is loaded has settled: where only one row lies in a bend, the other
     one stands off by up to r (1 / cos(lean) - 1) before, 0.15 mm on a pipe of 60 mm bent with 300 mm and 0.5 mm with
-    170 mm. The bend is taken to go on beyond the pads, which is out by 1 % of a grip with 150 mm, by 10 % with 100 mm.
+    170 mm. The bend is taken to go on beyond the pads: above 165 mm that is out by less than 1 % of a grip, and tighter
+    short pieces of bend by more.
 
     Args:
         robot: The machine; jaws, pads, force and friction.
